@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "pilotfish/core/parameter.hpp"
+
+namespace pilotfish {
+
+/// A pinhole camera with Brown-Conrady distortion, exactly OpenCV's model (k1, k2, p1, p2, k3). ViSP's
+/// "perspectiveProjWithDistortion" is the special case k1 = kud, all others zero.
+///
+///   x = X/Z, y = Y/Z, r2 = x^2 + y^2, radial = 1 + k1 r2 + k2 r2^2 + k3 r2^3
+///   x' = x radial + 2 p1 x y + p2 (r2 + 2 x^2),  y' = y radial + p1 (r2 + 2 y^2) + 2 p2 x y
+///   u = fx x' + cx,  v = fy y' + cy            with (0, 0) the centre of the top-left pixel
+struct CameraModel {
+  int width = 0;                                  ///< [px], of the images that were calibrated
+  int height = 0;                                 ///< [px]
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
+  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
+
+  bool has_distortion() const { return k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0 || k3 != 0.0; }
+  /// Throws ConfigError ("camera.fx: ...") on sizes or intrinsics that no camera has.
+  void validate() const;
+};
+
+/// Normalised image-plane point (x, y) at Z = 1, undistorted, to pixels.
+Eigen::Vector2d project_normalized(const CameraModel& camera, const Eigen::Vector2d& normalized);
+/// Point in the camera frame [m] to pixels; nothing if it is not in front of the camera (Z <= 0).
+std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::Vector3d& point_c);
+/// Pixels to the undistorted normalised image plane, by Newton's method on the distortion polynomial (error below 1e-10
+/// wherever the model is invertible).
+Eigen::Vector2d normalize_pixel(const CameraModel& camera, const Eigen::Vector2d& pixel);
+
+/// Where the camera sits on the robot. With all angles zero it looks along the base's x axis.
+struct CameraMounting {
+  std::array<double, 3> position_m{0.0, 0.0, 0.0};  ///< of the optical centre, in the base frame
+  double pan_rad = 0.0;                             ///< positive: looks to the left
+  double tilt_rad = 0.0;                            ///< positive: looks up
+  double roll_rad = 0.0;                            ///< positive: the camera is turned clockwise, seen from behind it
+  static const std::vector<Parameter<CameraMounting>>& parameters();
+};
+
+/// bMc: camera frame (x right, y down, z forward) to base frame (x forward, y left, z up).
+Eigen::Isometry3d base_from_camera(const CameraMounting& mounting);
+
+}  // namespace pilotfish

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pilotfish/core/status.hpp"
+
+namespace pilotfish {
+
+/// Gray pixels that somebody else owns. Pixel (u, v) is data[v * stride_bytes + u]; its CENTRE is at image coordinates
+/// (u, v), everywhere in Pilotfish (OpenCV's convention; the tag detector converts AprilTag's).
+struct ImageView {
+  const std::uint8_t* data = nullptr;
+  std::size_t size_bytes = 0;  ///< how many bytes may be read at data
+  int width = 0;
+  int height = 0;
+  int stride_bytes = 0;
+};
+
+/// The sizes a frame may have: below, AprilTag asserts; above, its 16-bit coordinates overflow.
+inline constexpr int kMinFrameSide = 16;
+inline constexpr int kMaxFrameSide = 16384;
+
+/// Reason::none if the view can be read safely, else what is wrong with it. Never throws, never reads the pixels.
+Reason check(const ImageView& image) noexcept;
+
+/// One gray picture and the instant of its exposure. A value: copies share the pixels, which nobody changes.
+struct Frame {
+  std::int64_t utime = 0;  ///< exposure time [us], the clock of whoever took the picture
+  ImageView image;
+  std::shared_ptr<const void> pixels_owner;  ///< keeps image.data alive; empty if the caller does
+
+  /// Takes the pixels over (stride = width). Sizes are not checked here: check(frame.image) does, at the point of use.
+  static Frame from_pixels(std::int64_t utime, int width, int height, std::vector<std::uint8_t> pixels);
+};
+
+}  // namespace pilotfish

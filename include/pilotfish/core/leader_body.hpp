@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "pilotfish/core/parameter.hpp"
+
+namespace pilotfish {
+
+/// One tag on a robot. Its own frame: origin in the centre of the black square, x right and y down as one reads it, z
+/// into the wall it hangs on (so that a tag seen head-on has the camera's axes).
+struct BodyTag {
+  int id = 0;
+  double size_m = 0.16;                             ///< side of the black square (AprilTag's definition)
+  std::array<double, 3> position_m{0.0, 0.0, 0.0};  ///< of its centre, in the leader's base frame
+  double facing_rad = 3.14159265358979323846;  ///< direction it looks, about z: 0 forward, +pi/2 left, pi to the rear
+  double tilt_rad = 0.0;                       ///< positive: it looks up
+  double roll_rad = 0.0;                       ///< turned clockwise, as one reads it
+  static const std::vector<Parameter<BodyTag>>& parameters();
+};
+
+/// oMt: tag frame to the frame o of the leader's base.
+Eigen::Isometry3d body_from_tag(const BodyTag& tag);
+
+/// The four corners of the black square in the leader's base frame [m], in AprilTag's order: bottom left, bottom right,
+/// top right, top left, as one reads the tag.
+std::array<Eigen::Vector3d, 4> corners_on_body(const BodyTag& tag);
+
+/// A leader: the tags it wears and where. The poses of all of them refer to its base origin, between the wheels.
+struct LeaderBody {
+  std::string name = "leader";
+  std::string family = "tag36h11";
+  std::vector<BodyTag> tags;
+
+  const BodyTag* find(int id) const;  ///< nullptr if the body does not wear that id
+  /// Throws ConfigError: no tag, an id twice, a number out of range.
+  void validate() const;
+};
+
+}  // namespace pilotfish

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace pilotfish {
+
+/// A value that cannot be used, found while loading. `key` is the dotted path of the parameter ("vision.decimation").
+class ConfigError : public std::invalid_argument {
+ public:
+  ConfigError(std::string key, const std::string& problem)
+      : std::invalid_argument(key + ": " + problem), key_(std::move(key)) {}
+  const std::string& key() const { return key_; }
+
+ private:
+  std::string key_;
+};
+
+/// The one description of a parameter: its key (which carries the unit), where it lives, its bounds and its text. The
+/// default is the struct's own member initialiser. From this table come the YAML reader, the range check, the
+/// documentation and the Python binding, so none of them can drift.
+///
+/// A config struct declares  `static const std::vector<Parameter<T>>& parameters();`
+template <class Config>
+struct Parameter {
+  using Member = std::variant<double Config::*, int Config::*, bool Config::*, std::string Config::*,
+                              std::array<double, 3> Config::*>;
+  std::string_view key;  ///< e.g. "max_linear_mps"; a key ending in _rad may be written as _deg in YAML
+  Member member;
+  double min = 0.0;       ///< inclusive; numbers (and each component of a vector) only
+  double max = 0.0;       ///< inclusive
+  std::string_view text;  ///< one sentence for the documentation and --help
+};
+
+/// Throws ConfigError naming the key, the value and the allowed range, if any number is out of range or not finite.
+template <class Config>
+void check_ranges(const Config& config, std::string_view section) {
+  for (const Parameter<Config>& parameter : Config::parameters()) {
+    const auto check_number = [&](double value) {
+      if (std::isfinite(value) && value >= parameter.min && value <= parameter.max) return;
+      std::ostringstream problem;
+      problem << value << " is outside [" << parameter.min << ", " << parameter.max << "]";
+      const std::string prefix = section.empty() ? "" : std::string(section) + ".";
+      throw ConfigError(prefix + std::string(parameter.key), problem.str());
+    };
+    std::visit(
+        [&](auto member) {
+          using Value = std::decay_t<decltype(config.*member)>;
+          if constexpr (std::is_same_v<Value, std::array<double, 3>>) {
+            for (double component : config.*member) check_number(component);
+          } else if constexpr (std::is_same_v<Value, double> || std::is_same_v<Value, int>) {
+            check_number(config.*member);
+          }
+        },
+        parameter.member);
+  }
+}
+
+}  // namespace pilotfish

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cmath>
+
+namespace pilotfish {
+
+/// Velocity of a unicycle in its own base frame: forward speed and turn rate (positive: to the left).
+struct Twist {
+  double linear_mps = 0.0;
+  double angular_radps = 0.0;
+};
+
+inline bool is_finite(const Twist& twist) {
+  return std::isfinite(twist.linear_mps) && std::isfinite(twist.angular_radps);
+}
+
+inline bool operator==(const Twist& a, const Twist& b) {
+  return a.linear_mps == b.linear_mps && a.angular_radps == b.angular_radps;
+}
+
+}  // namespace pilotfish

@@ -1,0 +1,209 @@
+#include <pybind11/eigen.h>
+
+#include "arrays.hpp"
+#include "parameters.hpp"
+#include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/setpoint.hpp"
+#include "pilotfish/core/status.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish;
+using namespace pilotfish::python;
+
+PYBIND11_MODULE(core, m) {
+  m.doc() = "The words everyone shares: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
+
+  m.def("wrap_angle", &wrap_angle, py::arg("angle_rad"), "The same angle in (-pi, pi].");
+
+  py::class_<Twist>(m, "Twist", "Unicycle velocity in the base frame: linear_mps forward, angular_radps to the left.")
+      .def(py::init([](double linear_mps, double angular_radps) {
+             return Twist{linear_mps, angular_radps};
+           }),
+           py::kw_only(), py::arg("linear_mps") = 0.0, py::arg("angular_radps") = 0.0)
+      .def_readwrite("linear_mps", &Twist::linear_mps)
+      .def_readwrite("angular_radps", &Twist::angular_radps)
+      .def("__eq__", [](const Twist& a, const Twist& b) { return a == b; })
+      .def("__repr__", [](const Twist& t) {
+        std::ostringstream out;
+        out << "Twist(linear_mps=" << t.linear_mps << ", angular_radps=" << t.angular_radps << ")";
+        return out.str();
+      });
+
+  py::class_<Setpoint>(m, "Setpoint", "What to keep: distance_m (d_p), bearing_rad (theta_pd); run=False stands still.")
+      .def(py::init([](double distance_m, double bearing_rad, bool run) {
+             return Setpoint{distance_m, bearing_rad, run};
+           }),
+           py::kw_only(), py::arg("distance_m") = 1.0, py::arg("bearing_rad") = 0.0, py::arg("run") = true)
+      .def_readwrite("distance_m", &Setpoint::distance_m)
+      .def_readwrite("bearing_rad", &Setpoint::bearing_rad)
+      .def_readwrite("run", &Setpoint::run);
+
+  py::enum_<Status> status(m, "Status",
+                           "What the coordinator is doing; only tracking and coasting may move the robot.");
+  for (Status value :
+       {Status::searching, Status::tracking, Status::coasting, Status::lost, Status::stopped, Status::invalid_input})
+    status.value(std::string(to_string(value)).c_str(), value);
+
+  py::enum_<Reason>(m, "Reason", "Why; str(reason) is the enumerator, reason.text a sentence.")
+      .value("none", Reason::none)
+      .value("no_tag_found", Reason::no_tag_found)
+      .value("no_tag_of_the_leader", Reason::no_tag_of_the_leader)
+      .value("tag_refused", Reason::tag_refused)
+      .value("pose_refused", Reason::pose_refused)
+      .value("no_frame", Reason::no_frame)
+      .value("frame_size_not_calibrated", Reason::frame_size_not_calibrated)
+      .value("frame_too_small", Reason::frame_too_small)
+      .value("frame_too_large", Reason::frame_too_large)
+      .value("frame_truncated", Reason::frame_truncated)
+      .value("frame_stride_invalid", Reason::frame_stride_invalid)
+      .value("frame_time_not_advancing", Reason::frame_time_not_advancing)
+      .value("frame_stale", Reason::frame_stale)
+      .value("told_to_stop", Reason::told_to_stop)
+      .value("law_not_finite", Reason::law_not_finite)
+      .def_property_readonly("text", [](Reason reason) { return std::string(to_string(reason)); });
+
+  py::class_<Frame>(m, "Frame", "One gray picture and the instant of its exposure.")
+      .def(py::init([](const py::array& image, std::int64_t utime) {
+             const ImageView view = image_view(image);
+             return Frame::from_pixels(utime, view.width, view.height, {view.data, view.data + view.size_bytes});
+           }),
+           "image: (H, W) uint8, copied; utime: exposure time in microseconds", py::arg("image"), py::kw_only(),
+           py::arg("utime"))
+      .def_static(
+          "unchecked",
+          [](const py::bytes& data, int width, int height, int stride_bytes, std::int64_t utime) {
+            const std::string_view bytes = data;
+            Frame frame = Frame::from_pixels(utime, width, height, {bytes.begin(), bytes.end()});
+            frame.image.stride_bytes = stride_bytes;
+            return frame;
+          },
+          "A frame whose claimed size need not fit its bytes, as it might come off a wire; step() must refuse it.",
+          py::arg("data"), py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"),
+          py::arg("utime"))
+      .def_readonly("utime", &Frame::utime)
+      .def_property_readonly("width", [](const Frame& frame) { return frame.image.width; })
+      .def_property_readonly("height", [](const Frame& frame) { return frame.image.height; })
+      .def_property_readonly(
+          "image",
+          [](const Frame& frame) {
+            if (check(frame.image) != Reason::none) throw py::value_error("the frame's pixels cannot be read safely");
+            return to_array(frame.image);
+          },
+          "(H, W) uint8, a copy")
+      .def_property_readonly(
+          "defect", [](const Frame& frame) { return check(frame.image); },
+          "Reason.none if the pixels can be read safely");
+
+  py::class_<CameraModel>(
+      m, "CameraModel",
+      "Pinhole with Brown-Conrady distortion (OpenCV's model); (0, 0) is the top-left pixel's centre.")
+      .def(py::init([](int width, int height, double fx, double fy, double cx, double cy, double k1, double k2,
+                       double p1, double p2, double k3) {
+             CameraModel camera{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3};
+             camera.validate();
+             return camera;
+           }),
+           py::kw_only(), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
+           py::arg("cy"), py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0, py::arg("p2") = 0.0,
+           py::arg("k3") = 0.0)
+      .def_readonly("width", &CameraModel::width)
+      .def_readonly("height", &CameraModel::height)
+      .def_readonly("fx", &CameraModel::fx)
+      .def_readonly("fy", &CameraModel::fy)
+      .def_readonly("cx", &CameraModel::cx)
+      .def_readonly("cy", &CameraModel::cy)
+      .def_readonly("k1", &CameraModel::k1)
+      .def_readonly("k2", &CameraModel::k2)
+      .def_readonly("p1", &CameraModel::p1)
+      .def_readonly("p2", &CameraModel::p2)
+      .def_readonly("k3", &CameraModel::k3)
+      .def(
+          "project", [](const CameraModel& camera, const Eigen::Vector3d& point_m) { return project(camera, point_m); },
+          "Point in the camera frame [m] to pixels (2,), or None if it is not in front.", py::arg("point_m"))
+      .def(
+          "normalize",
+          [](const CameraModel& camera, const Eigen::Vector2d& pixel) { return normalize_pixel(camera, pixel); },
+          "Pixels (2,) to the undistorted normalised image plane (2,).", py::arg("pixel"));
+
+  bind_parameters<CameraMounting>(m, "CameraMounting", "Where the camera sits on the robot.")
+      .def_property_readonly(
+          "bMc", [](const CameraMounting& mounting) { return to_array(base_from_camera(mounting)); },
+          "(4, 4): camera frame to base frame");
+  bind_parameters<BodyTag>(m, "BodyTag", "One tag on a robot.")
+      .def_property_readonly(
+          "oMt", [](const BodyTag& tag) { return to_array(body_from_tag(tag)); },
+          "(4, 4): tag frame to the leader's base frame")
+      .def_property_readonly(
+          "corners_m",
+          [](const BodyTag& tag) {
+            const auto corners = corners_on_body(tag);
+            DoubleArray array({4, 3});
+            for (int i = 0; i < 4; ++i)
+              for (int k = 0; k < 3; ++k) array.mutable_at(i, k) = corners[i][k];
+            return array;
+          },
+          "(4, 3): bottom left, bottom right, top right, top left, in the leader's base frame");
+
+  py::class_<LeaderBody>(m, "LeaderBody", "A leader: the tags it wears and where.")
+      .def(py::init([](const std::vector<BodyTag>& tags, const std::string& family, const std::string& name) {
+             LeaderBody body{name, family, tags};
+             body.validate();
+             return body;
+           }),
+           py::arg("tags"), py::kw_only(), py::arg("family") = "tag36h11", py::arg("name") = "leader")
+      .def_readonly("name", &LeaderBody::name)
+      .def_readonly("family", &LeaderBody::family)
+      .def_readonly("tags", &LeaderBody::tags);
+
+  py::class_<TagSighting>(m, "TagSighting",
+                          "One tag in one picture; corners (4, 2) [px] from the bottom left, "
+                          "counter-clockwise as one reads the tag.")
+      .def(py::init([](int id, const DoubleArray& corners_px, int hamming, double decision_margin) {
+             return TagSighting{id, hamming, decision_margin, to_corners(corners_px)};
+           }),
+           py::kw_only(), py::arg("id"), py::arg("corners_px"), py::arg("hamming") = 0,
+           py::arg("decision_margin") = 0.0)
+      .def_readonly("id", &TagSighting::id)
+      .def_readonly("hamming", &TagSighting::hamming)
+      .def_readonly("decision_margin", &TagSighting::decision_margin)
+      .def_property_readonly("corners_px", [](const TagSighting& tag) { return to_array(tag.corners_px); });
+
+  py::class_<Observation>(m, "Observation", "The leader, measured in one frame.")
+      .def(py::init([](std::int64_t utime, double distance_m, double bearing_rad, double heading_rad,
+                       std::vector<TagSighting> tags) {
+             Observation observation;
+             observation.utime = utime;
+             observation.distance_m = distance_m;
+             observation.bearing_rad = bearing_rad;
+             observation.heading_rad = heading_rad;
+             observation.tags = std::move(tags);
+             return observation;
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("distance_m"), py::arg("bearing_rad") = 0.0,
+           py::arg("heading_rad") = 0.0, py::arg("tags") = std::vector<TagSighting>{})
+      .def_readonly("utime", &Observation::utime)
+      .def_readonly("distance_m", &Observation::distance_m)
+      .def_readonly("bearing_rad", &Observation::bearing_rad)
+      .def_readonly("heading_rad", &Observation::heading_rad)
+      .def_property_readonly(
+          "covariance", [](const Observation& o) { return to_array(o.covariance); },
+          "(3, 3) of (distance_m, bearing_rad, heading_rad)")
+      .def_property_readonly(
+          "cMo", [](const Observation& o) { return to_array(o.cMo); }, "(4, 4)")
+      .def_readonly("reprojection_error_px", &Observation::reprojection_error_px)
+      .def_readonly("ambiguity_ratio", &Observation::ambiguity_ratio)
+      .def_readonly("min_decision_margin", &Observation::min_decision_margin)
+      .def_readonly("tags", &Observation::tags);
+
+  m.def(
+      "relative_pose",
+      [](const DoubleArray& bMo) {
+        const RelativePose pose = relative_pose(to_pose(bMo));
+        return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
+      },
+      "(distance_m, bearing_rad, heading_rad) of a leader whose base has the pose bMo (4, 4).", py::arg("bMo"));
+}

@@ -1,0 +1,59 @@
+#include "pilotfish/core/leader_body.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/camera_model.hpp"
+
+namespace pilotfish {
+
+const std::vector<Parameter<BodyTag>>& BodyTag::parameters() {
+  static const std::vector<Parameter<BodyTag>> table = {
+      {"id", &BodyTag::id, 0, 65535, "number of the tag in its family"},
+      {"size_m", &BodyTag::size_m, 0.005, 5.0, "side of the black square"},
+      {"position_m", &BodyTag::position_m, -10.0, 10.0, "centre in the leader's base frame: forward, left, up"},
+      {"facing_rad", &BodyTag::facing_rad, -2 * kPi, 2 * kPi,
+       "direction it looks: 0 forward, 90 deg left, 180 deg rear"},
+      {"tilt_rad", &BodyTag::tilt_rad, -kPi / 2, kPi / 2, "positive: it looks up"},
+      {"roll_rad", &BodyTag::roll_rad, -kPi, kPi, "turned clockwise, as one reads it"},
+  };
+  return table;
+}
+
+Eigen::Isometry3d body_from_tag(const BodyTag& tag) {
+  // A camera that looks the way the tag hangs sees it upright, so the tag's axes are those of a camera whose optical
+  // axis points INTO the wall: pan = facing + pi, tilt reversed. Turning the tag clockwise as read is that camera's
+  // roll.
+  CameraMounting reader;
+  reader.position_m = tag.position_m;
+  reader.pan_rad = tag.facing_rad + kPi;
+  reader.tilt_rad = -tag.tilt_rad;
+  reader.roll_rad = tag.roll_rad;
+  return base_from_camera(reader);
+}
+
+std::array<Eigen::Vector3d, 4> corners_on_body(const BodyTag& tag) {
+  const Eigen::Isometry3d oMt = body_from_tag(tag);
+  const double h = tag.size_m / 2.0;
+  return {oMt * Eigen::Vector3d(-h, h, 0), oMt * Eigen::Vector3d(h, h, 0), oMt * Eigen::Vector3d(h, -h, 0),
+          oMt * Eigen::Vector3d(-h, -h, 0)};
+}
+
+const BodyTag* LeaderBody::find(int id) const {
+  const auto found = std::find_if(tags.begin(), tags.end(), [id](const BodyTag& tag) { return tag.id == id; });
+  return found == tags.end() ? nullptr : &*found;
+}
+
+void LeaderBody::validate() const {
+  if (tags.empty()) throw ConfigError("leader.tags", "a leader needs at least one tag");
+  std::set<int> ids;
+  for (std::size_t i = 0; i < tags.size(); ++i) {
+    const std::string section = "leader.tags[" + std::to_string(i) + "]";
+    check_ranges(tags[i], section);
+    if (!ids.insert(tags[i].id).second)
+      throw ConfigError(section + ".id", std::to_string(tags[i].id) + " is used twice; ids on one body must differ");
+  }
+}
+
+}  // namespace pilotfish

@@ -1,0 +1,13 @@
+#include "pilotfish/core/observation.hpp"
+
+#include <cmath>
+
+namespace pilotfish {
+
+RelativePose relative_pose(const Eigen::Isometry3d& bMo) {
+  const Eigen::Vector3d origin = bMo.translation();
+  const Eigen::Vector3d forward = bMo.linear().col(0);  // the leader's x axis, seen from the coordinator's base
+  return {std::hypot(origin.x(), origin.y()), std::atan2(origin.y(), origin.x()), std::atan2(forward.y(), forward.x())};
+}
+
+}  // namespace pilotfish
