@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "pilotfish/fuzzy/linguistic_variable.hpp"
+
+namespace pilotfish::fuzzy {
+
+/// Area and first moment of a membership function over an interval: int mu du and int u mu du.
+struct Moments {
+  double area = 0.0;
+  double first = 0.0;
+};
+
+/// Moments of mu_C'(u) = max_k min(heights[k], mu_k(u)) over the universe of `output`: each term clipped at
+/// the strength of its rules and joined by max. For triangles and trapezoids mu_C' is piecewise linear and
+/// this is the closed form; with Gaussians, the pieces between breakpoints are integrated with erf (exact as
+/// well, up to rounding). heights: one per term, in [0, 1].
+Moments clipped_union_moments(const LinguisticVariable& output, const double* heights) noexcept;
+
+}  // namespace pilotfish::fuzzy

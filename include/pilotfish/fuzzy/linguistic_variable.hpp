@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pilotfish/fuzzy/membership.hpp"
+
+namespace pilotfish::fuzzy {
+
+/// The most terms a variable may have. Inference works in arrays of this size, so that it never allocates.
+inline constexpr std::size_t kMaxTerms = 16;
+
+/// A linguistic term: a label such as "NB" (negative big) and its fuzzy set.
+struct Term {
+  std::string label;
+  MembershipFunction set;
+};
+
+/// A linguistic variable: a name, its universe of discourse and its terms, from negative to positive.
+struct LinguisticVariable {
+  std::string name;
+  double min = -1.0;
+  double max = 1.0;
+  std::vector<Term> terms;
+
+  /// The value the controller works with: inputs outside the universe saturate at its ends; NaN stays NaN.
+  double saturate(double x) const noexcept { return x < min ? min : (x > max ? max : x); }
+  /// Index of a label; throws std::invalid_argument listing the labels there are:
+  /// "'XX' is not a term of U; terms: NB, NM, NS, ZE, PS, PM, PB".
+  std::size_t index_of(const std::string& label) const;
+};
+
+/// What cannot be proved, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
+class ProofError : public std::invalid_argument {
+ public:
+  ProofError(std::string where, const std::string& problem)
+      : std::invalid_argument(where + ": " + problem), where_(std::move(where)), problem_(problem) {}
+  const std::string& where() const { return where_; }
+  const std::string& problem() const { return problem_; }
+
+ private:
+  std::string where_, problem_;
+};
+
+/// Throws ProofError unless the universe is a finite interval and there are 1 to kMaxTerms terms, all labels
+/// different, all sets well formed.
+void validate(const LinguisticVariable& variable);
+
+}  // namespace pilotfish::fuzzy

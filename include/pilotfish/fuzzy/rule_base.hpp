@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pilotfish/fuzzy/linguistic_variable.hpp"
+
+namespace pilotfish::fuzzy {
+
+/// A complete table of rules "IF E is row AND EC is column THEN U is cell" (the paper's Table I), stored row by row.
+struct RuleBase {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<std::size_t> consequents;  ///< index of the output term, [row * columns + column]
+
+  std::size_t size() const { return consequents.size(); }
+  std::size_t consequent(std::size_t row, std::size_t column) const { return consequents[row * columns + column]; }
+};
+
+/// The paper's numbers: 8 terms of E x 7 terms of EC.
+inline constexpr std::size_t kPaperRows = 8;
+inline constexpr std::size_t kPaperColumns = 7;
+inline constexpr std::size_t kPaperRules = kPaperRows * kPaperColumns;
+
+/// A two-input Mamdani controller as plain data: what data/fuzzy/*.yaml says.
+struct Controller {
+  std::string name;
+  LinguisticVariable error;         ///< E, of the normalised distance error
+  LinguisticVariable error_change;  ///< EC, of its normalised change per control period
+  LinguisticVariable output;        ///< U, of the normalised velocity
+  RuleBase rules;
+};
+
+/// "IF E is NS AND EC is ZE THEN U is PM"; rule = row * columns + column. Throws std::out_of_range.
+std::string describe_rule(const Controller& controller, std::size_t rule);
+
+/// The weakest degree that still counts as covering a point of an input universe.
+inline constexpr double kMinCoverage = 1e-3;
+
+/// Proves what the control loop relies on, so that inference cannot fail later. Throws ProofError naming the
+/// variable, the term or the cell that is at fault:
+///  - the rule base has exactly kPaperRows x kPaperColumns cells, each with a term of U;
+///  - every universe is finite, every label unique, every membership function well formed, and no variable
+///  has more
+///    than kMaxTerms terms;
+///  - every point of both input universes has a term of a degree above kMinCoverage, so some rule fires for
+///  every input;
+///  - every term has area inside its universe: so every rule can fire, and the centroid's denominator is
+///  positive;
+///  - the output is finite and inside U's universe over the grid of the corner points of all input sets.
+void prove(const Controller& controller);
+
+}  // namespace pilotfish::fuzzy

@@ -1,0 +1,215 @@
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <sstream>
+
+#include "pilotfish/config/files.hpp"
+#include "pilotfish/fuzzy/centroid.hpp"
+#include "pilotfish/fuzzy/mamdani.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish::fuzzy;
+
+namespace {
+
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+template <class... Parts>
+std::string text(const Parts&... parts) {
+  std::ostringstream out;
+  (out << ... << parts);
+  return out.str();
+}
+
+// Sets and variables are checked where they are made, so that an ill-formed one cannot exist in Python.
+template <class Value>
+Value checked(Value value) {
+  validate(value);
+  return value;
+}
+
+RuleBase make_rules(const std::vector<std::vector<std::size_t>>& consequents) {
+  RuleBase rules;
+  rules.rows = consequents.size();
+  rules.columns = consequents.empty() ? 0 : consequents.front().size();
+  for (const auto& row : consequents) {
+    if (row.size() != rules.columns) throw py::value_error("the rows of the rule base have different lengths");
+    rules.consequents.insert(rules.consequents.end(), row.begin(), row.end());
+  }
+  return rules;
+}
+
+// infer() relies on what prove() has shown. The attributes of a controller are read-only in Python and it is
+// proved when it is made, so every Controller that Python can hold is a proved one.
+Controller make_controller(const LinguisticVariable& error, const LinguisticVariable& error_change,
+                           const LinguisticVariable& output, const RuleBase& rules, const std::string& name) {
+  Controller controller{name, error, error_change, output, rules};
+  prove(controller);
+  return controller;
+}
+
+std::pair<DoubleArray, DoubleArray> infer_batch(const Controller& controller, const DoubleArray& error,
+                                                const DoubleArray& error_change) {
+  if (error.ndim() != 1 || error_change.ndim() != 1 || error.shape(0) != error_change.shape(0))
+    throw py::value_error("expected error and error_change of one shape (N,), got " +
+                          py::str(error.attr("shape")).cast<std::string>() + " and " +
+                          py::str(error_change.attr("shape")).cast<std::string>());
+  const py::ssize_t count = error.shape(0);
+  DoubleArray output(count);
+  DoubleArray strengths({count, static_cast<py::ssize_t>(kPaperRules)});
+  const double *e = error.data(), *ec = error_change.data();
+  double *u = output.mutable_data(), *strength = strengths.mutable_data();
+  {
+    py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < count; ++i) {
+      const Inference inference = infer(controller, e[i], ec[i]);
+      u[i] = inference.output;
+      strength = std::copy(inference.strengths.begin(), inference.strengths.end(), strength);
+    }
+  }
+  return {output, strengths};
+}
+
+Moments moments_of(const LinguisticVariable& output, const std::vector<double>& heights) {
+  if (heights.size() != output.terms.size())
+    throw py::value_error(
+        text("expected one height for each of the ", output.terms.size(), " terms, got ", heights.size()));
+  for (double height : heights)
+    if (!(height >= 0.0 && height <= 1.0)) throw py::value_error(text("height ", height, " is outside [0, 1]"));
+  return clipped_union_moments(output, heights.data());
+}
+
+}  // namespace
+
+PYBIND11_MODULE(fuzzy, m) {
+  m.doc() = "Fuzzy sets, linguistic variables, the 56-rule base, Mamdani inference and the exact centroid.";
+
+  py::class_<Triangle>(m, "Triangle", "mu(x) = max(0, min((x - a)/(b - a), (c - x)/(c - b)))")
+      .def(py::init([](double a, double b, double c) {
+             return checked(Triangle{a, b, c});
+           }),
+           py::arg("a"), py::arg("b"), py::arg("c"))
+      .def_readonly("a", &Triangle::a)
+      .def_readonly("b", &Triangle::b)
+      .def_readonly("c", &Triangle::c)
+      .def("__repr__", [](const Triangle& s) { return text("Triangle(a=", s.a, ", b=", s.b, ", c=", s.c, ")"); });
+  py::class_<Trapezoid>(
+      m, "Trapezoid",
+      "mu(x) = max(0, min((x - a)/(b - a), 1, (d - x)/(d - c))); open shoulders: a = b = -inf, c = d = inf")
+      .def(py::init([](double a, double b, double c, double d) {
+             return checked(Trapezoid{a, b, c, d});
+           }),
+           py::arg("a"), py::arg("b"), py::arg("c"), py::arg("d"))
+      .def_readonly("a", &Trapezoid::a)
+      .def_readonly("b", &Trapezoid::b)
+      .def_readonly("c", &Trapezoid::c)
+      .def_readonly("d", &Trapezoid::d)
+      .def("__repr__",
+           [](const Trapezoid& s) { return text("Trapezoid(a=", s.a, ", b=", s.b, ", c=", s.c, ", d=", s.d, ")"); });
+  py::class_<Gaussian>(m, "Gaussian", "mu(x) = exp(-(x - mean)^2 / (2 sigma^2))")
+      .def(py::init([](double mean, double sigma) {
+             return checked(Gaussian{mean, sigma});
+           }),
+           py::arg("mean"), py::arg("sigma"))
+      .def_readonly("mean", &Gaussian::mean)
+      .def_readonly("sigma", &Gaussian::sigma)
+      .def("__repr__", [](const Gaussian& s) { return text("Gaussian(mean=", s.mean, ", sigma=", s.sigma, ")"); });
+
+  m.def(
+      "membership",
+      [](const MembershipFunction& set, const py::object& x) {
+        return py::vectorize([&set](double value) { return membership(set, value); })(x);
+      },
+      "Degree of membership in [0, 1] of a number or of every element of an array.", py::arg("set"), py::arg("x"));
+  m.def("support", &support, "The closed interval outside of which the degree is zero.", py::arg("set"));
+  m.def(
+      "level_cut",
+      [](const MembershipFunction& set, double level) {
+        if (!(level > 0.0 && level <= 1.0)) throw py::value_error(text("level ", level, " is outside (0, 1]"));
+        return level_cut(set, level);
+      },
+      "The interval {x : mu(x) >= level}.", py::arg("set"), py::arg("level"));
+
+  py::class_<Term>(m, "Term", "A label and its fuzzy set.")
+      .def(py::init([](const std::string& label, const MembershipFunction& set) {
+             return Term{label, set};
+           }),
+           py::arg("label"), py::arg("set"))
+      .def_readonly("label", &Term::label)
+      .def_readonly("set", &Term::set)
+      .def("__repr__", [](const Term& term) {
+        return "Term('" + term.label + "', " + py::repr(py::cast(term.set)).cast<std::string>() + ")";
+      });
+
+  py::class_<LinguisticVariable>(m, "LinguisticVariable",
+                                 "A name, a universe [min, max] and terms from negative to positive.")
+      .def(py::init([](const std::string& name, const std::vector<Term>& terms, double min, double max) {
+             return checked(LinguisticVariable{name, min, max, terms});
+           }),
+           py::arg("name"), py::arg("terms"), py::kw_only(), py::arg("min") = -1.0, py::arg("max") = 1.0)
+      .def_readonly("name", &LinguisticVariable::name)
+      .def_readonly("min", &LinguisticVariable::min)
+      .def_readonly("max", &LinguisticVariable::max)
+      .def_readonly("terms", &LinguisticVariable::terms)
+      .def_property_readonly("labels",
+                             [](const LinguisticVariable& variable) {
+                               std::vector<std::string> labels;
+                               for (const Term& term : variable.terms) labels.push_back(term.label);
+                               return labels;
+                             })
+      .def("index_of", &LinguisticVariable::index_of, "Index of a label; ValueError listing those there are.",
+           py::arg("label"));
+
+  py::class_<RuleBase>(m, "RuleBase",
+                       "Indices of output terms, one list for each row (term of E), one cell for each "
+                       "column (term of EC).")
+      .def(py::init(&make_rules), py::arg("consequents"))
+      .def_readonly("rows", &RuleBase::rows)
+      .def_readonly("columns", &RuleBase::columns)
+      .def_property_readonly(
+          "consequents",
+          [](const RuleBase& rules) {
+            py::array_t<std::int64_t> table({rules.rows, rules.columns});
+            std::copy(rules.consequents.begin(), rules.consequents.end(), table.mutable_data());
+            return table;
+          },
+          "(rows, columns)")
+      .def("__len__", &RuleBase::size);
+
+  py::class_<Controller>(m, "Controller", "A two-input Mamdani controller; proved when it is made (ValueError).")
+      .def(py::init(&make_controller), py::kw_only(), py::arg("error"), py::arg("error_change"), py::arg("output"),
+           py::arg("rules"), py::arg("name") = "")
+      .def_readonly("name", &Controller::name)
+      .def_readonly("error", &Controller::error)
+      .def_readonly("error_change", &Controller::error_change)
+      .def_readonly("output", &Controller::output)
+      .def_readonly("rules", &Controller::rules);
+
+  py::class_<Inference>(m, "Inference", "What one inference says: output u*, and the strengths of the 56 rules.")
+      .def_readonly("output", &Inference::output)
+      .def_property_readonly(
+          "strengths", [](const Inference& inference) { return DoubleArray(kPaperRules, inference.strengths.data()); },
+          "(56,), row * 7 + column")
+      .def("__repr__", [](const Inference& inference) { return text("Inference(output=", inference.output, ")"); });
+
+  py::class_<Moments>(m, "Moments", "Area and first moment of a membership function.")
+      .def_readonly("area", &Moments::area)
+      .def_readonly("first", &Moments::first)
+      .def("__repr__", [](const Moments& s) { return text("Moments(area=", s.area, ", first=", s.first, ")"); });
+
+  m.def("describe_rule", &describe_rule, "\"IF E is NS AND EC is ZE THEN U is PM\"; rule = row * 7 + column.",
+        py::arg("controller"), py::arg("rule"));
+  m.def("infer", &infer, "Mamdani inference for one pair of inputs.", py::arg("controller"), py::arg("error"),
+        py::arg("error_change"));
+  m.def("infer_batch", &infer_batch, "The same for arrays (N,): outputs (N,) and strengths (N, 56).",
+        py::arg("controller"), py::arg("error"), py::arg("error_change"));
+  m.def("clipped_union_moments", &moments_of,
+        "Area and first moment of max_k min(heights[k], mu_k(u)) over the universe of output.", py::arg("output"),
+        py::arg("heights"));
+  m.def("load_controller", &pilotfish::config::load_fuzzy_controller,
+        "Reads and proves data/fuzzy/*.yaml; ValueError "
+        "naming the key.",
+        py::arg("path"));
+}
