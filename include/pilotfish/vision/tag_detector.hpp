@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
+
+namespace pilotfish::vision {
+
+struct TagDetectorConfig {
+  double decimation = 1.0;  ///< find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size)
+  int max_hamming = 0;      ///< corrected bits that are still believed
+  double min_decision_margin = 20.0;
+  double blur_sigma_px = 0.0;  ///< Gaussian blur of the image in which quads are found
+  static const std::vector<Parameter<TagDetectorConfig>>& parameters();
+};
+
+/// Tags found and what was turned away, by gate.
+struct Detections {
+  Reason input = Reason::none;    ///< why the picture was not even looked at
+  std::vector<TagSighting> tags;  ///< sorted by id, then by decision margin (best first)
+  std::vector<int> refused_ids;   ///< of the tags that a gate turned away, sorted
+  int refused_hamming = 0;
+  int refused_margin = 0;
+};
+
+/// libapriltag behind a safe edge: sizes are checked before it is called (it asserts or crashes on tiny and
+/// on huge images), its corners are converted to Pilotfish's pixel convention HERE and nowhere else, gates
+/// are applied and counted. Owns scratch memory, so one detector serves one thread; it starts none of its own.
+class TagDetector {
+ public:
+  /// `family`: a name that TagFamily knows. Throws ConfigError on an unknown family or a parameter out of range.
+  TagDetector(const std::string& family, const TagDetectorConfig& config);
+  ~TagDetector();
+  TagDetector(TagDetector&&) noexcept;
+  TagDetector& operator=(TagDetector&&) noexcept;
+
+  int family_size() const;  ///< ids run from 0 to family_size() - 1
+
+  /// Never throws; a picture that cannot be used gives no tags and the reason in `input`. The pixels are only read.
+  Detections detect(const ImageView& image) noexcept;
+
+ private:
+  struct Library;
+  Detections detect_checked(const ImageView& image);
+
+  std::unique_ptr<Library> library_;
+  TagDetectorConfig config_;
+};
+
+}  // namespace pilotfish::vision

@@ -1,0 +1,163 @@
+#include "pilotfish/vision/tag_detector.hpp"
+
+#include <apriltag/apriltag.h>
+
+#include <algorithm>
+#include <climits>
+#include <tuple>
+
+#include "pilotfish/vision/tag_family.hpp"
+
+namespace pilotfish::vision {
+namespace {
+
+/// libapriltag truncates any other factor to a whole number when it shrinks the image but not when it scales
+/// the quads back, so that 2.5 puts them 25 % off.
+constexpr double kDecimations[] = {1.0, 1.5, 2.0, 3.0, 4.0};
+
+/// Its blur writes before the first pixel of a row once half its kernel, int(4 sigma) | 1 wide, exceeds the
+/// row. The shortest row is kMinFrameSide / 4 = 4 px, which bears 7 taps: sigma < 2.
+constexpr double kMaxBlurSigmaPx = 1.9;
+
+/// Bytes of the decoding table for `corrected_bits`: libapriltag stores every code with every pattern of up
+/// to that many flipped bits, 16 bytes each, in a hash table three times that size.
+double decoding_table_bytes(const TagFamily& family, int corrected_bits) {
+  const double bits = family.bits();
+  const double patterns =
+      1.0 + (corrected_bits >= 1 ? bits : 0.0) + (corrected_bits >= 2 ? bits * (bits - 1) / 2 : 0.0);
+  return 3.0 * 16.0 * family.size() * patterns;
+}
+
+/// Tags with more errors than are believed should still be recognised, so that they can be counted as
+/// refused; but for the families with tens of thousands of codes the table for two bits takes gigabytes.
+int bits_to_recognise(const TagFamily& family, int max_hamming) {
+  if (decoding_table_bytes(family, max_hamming) > 512e6)
+    throw ConfigError("vision.max_hamming", std::to_string(max_hamming) + " needs a decoding table of " +
+                                                std::to_string(decoding_table_bytes(family, max_hamming) / 1e9) +
+                                                " GB with this tag family; use a smaller number");
+  int bits = 2;
+  while (bits > max_hamming && decoding_table_bytes(family, bits) > 64e6) --bits;
+  return bits;
+}
+
+TagSighting to_sighting(const apriltag_detection_t& detection) {
+  TagSighting tag;
+  tag.id = detection.id;
+  tag.hamming = detection.hamming;
+  tag.decision_margin = detection.decision_margin;
+  // AprilTag's origin is the corner of the top-left pixel, ours is its centre: (0.5, 0.5) there is (0, 0)
+  // here. Its order of corners, bottom left first and counter-clockwise as one reads the tag, is ours already.
+  for (int i = 0; i < 4; ++i) tag.corners_px[i] = {detection.p[i][0] - 0.5, detection.p[i][1] - 0.5};
+  return tag;
+}
+
+bool is_finite(const TagSighting& tag) {
+  return std::isfinite(tag.decision_margin) && std::all_of(tag.corners_px.begin(), tag.corners_px.end(),
+                                                           [](const auto& corner) { return corner.allFinite(); });
+}
+
+}  // namespace
+
+const std::vector<Parameter<TagDetectorConfig>>& TagDetectorConfig::parameters() {
+  static const std::vector<Parameter<TagDetectorConfig>> table = {
+      {"decimation", &TagDetectorConfig::decimation, 1.0, 4.0,
+       "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; edges are refined at full size"},
+      {"max_hamming", &TagDetectorConfig::max_hamming, 0, 2, "corrected bits that are still believed"},
+      {"min_decision_margin", &TagDetectorConfig::min_decision_margin, 0.0, 255.0,
+       "mean contrast of a tag's bits, in gray levels, below which it is refused"},
+      {"blur_sigma_px", &TagDetectorConfig::blur_sigma_px, 0.0, kMaxBlurSigmaPx,
+       "Gaussian blur of the image in which quads are found, for very noisy cameras; below 0.5 it does "
+       "nothing"},
+  };
+  return table;
+}
+
+struct TagDetector::Library {
+  Library(const std::string& family_name, const TagDetectorConfig& config)
+      : family(family_name), detector(apriltag_detector_create(), apriltag_detector_destroy) {
+    if (!detector) throw std::bad_alloc();
+    // Never more: the library's worker pool has a race between a worker's start and the first tasks (3.3.0
+    // reads a list that is being reallocated; seen to crash on small pictures, in one of a few hundred first calls).
+    detector->nthreads = 1;
+    detector->quad_decimate = static_cast<float>(config.decimation);
+    detector->quad_sigma = static_cast<float>(config.blur_sigma_px);
+    detector->refine_edges = true;
+    apriltag_detector_add_family_bits(detector.get(), family.get(), bits_to_recognise(family, config.max_hamming));
+  }
+
+  TagFamily family;  // before the detector, which frees what it hung onto the family
+  std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector;
+  std::vector<std::uint8_t> scratch;  ///< the picture, when libapriltag must not have the caller's
+};
+
+TagDetector::TagDetector(const std::string& family, const TagDetectorConfig& config) : config_(config) {
+  check_ranges(config, "vision");
+  if (std::find(std::begin(kDecimations), std::end(kDecimations), config.decimation) == std::end(kDecimations))
+    throw ConfigError("vision.decimation", std::to_string(config.decimation) + " is not one of 1, 1.5, 2, 3, 4");
+  library_ = std::make_unique<Library>(family, config);
+}
+
+TagDetector::~TagDetector() = default;
+TagDetector::TagDetector(TagDetector&&) noexcept = default;
+TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
+
+int TagDetector::family_size() const { return library_->family.size(); }
+
+Detections TagDetector::detect(const ImageView& image) noexcept {
+  Detections refused;
+  refused.input = check(image);
+  if (refused.input != Reason::none) return refused;
+  try {
+    return detect_checked(image);
+  } catch (...) {  // only memory can run out here
+    refused.input = Reason::frame_too_large;
+    return refused;
+  }
+}
+
+Detections TagDetector::detect_checked(const ImageView& image) {
+  // libapriltag takes a non-const buffer. It only reads it, with two exceptions: its blur writes into it when
+  // there is no decimation, and its `y * stride` is an int, which a very long stride would overflow.
+  const bool would_be_written = config_.blur_sigma_px > 0.0 && config_.decimation == 1.0;
+  const bool would_overflow = static_cast<std::int64_t>(image.stride_bytes) * image.height > INT_MAX;
+  std::uint8_t* pixels = const_cast<std::uint8_t*>(image.data);
+  int stride_bytes = image.stride_bytes;
+  if (would_be_written || would_overflow) {
+    library_->scratch.resize(static_cast<std::size_t>(image.width) * image.height);
+    for (int v = 0; v < image.height; ++v)
+      std::copy_n(image.data + static_cast<std::size_t>(v) * image.stride_bytes, image.width,
+                  library_->scratch.begin() + static_cast<std::ptrdiff_t>(v) * image.width);
+    pixels = library_->scratch.data();
+    stride_bytes = image.width;
+  }
+  image_u8_t wrapped = {image.width, image.height, stride_bytes, pixels};
+  const std::unique_ptr<zarray_t, void (*)(zarray_t*)> found(
+      apriltag_detector_detect(library_->detector.get(), &wrapped), apriltag_detections_destroy);
+
+  Detections result;
+  for (int i = 0; i < zarray_size(found.get()); ++i) {
+    apriltag_detection_t* detection = nullptr;
+    zarray_get(found.get(), i, &detection);
+    TagSighting tag = to_sighting(*detection);
+    if (!is_finite(tag)) continue;  // a degenerate quad
+    if (tag.hamming > config_.max_hamming) {
+      ++result.refused_hamming;
+      result.refused_ids.push_back(tag.id);
+    } else if (tag.decision_margin < config_.min_decision_margin) {
+      ++result.refused_margin;
+      result.refused_ids.push_back(tag.id);
+    } else {
+      result.tags.push_back(std::move(tag));
+    }
+  }
+  // libapriltag's own order is by id only, with what its sort makes of equal ones.
+  const auto key = [](const TagSighting& tag) {
+    return std::make_tuple(tag.id, -tag.decision_margin, tag.corners_px[0].x(), tag.corners_px[0].y());
+  };
+  std::sort(result.tags.begin(), result.tags.end(),
+            [&key](const TagSighting& a, const TagSighting& b) { return key(a) < key(b); });
+  std::sort(result.refused_ids.begin(), result.refused_ids.end());
+  return result;
+}
+
+}  // namespace pilotfish::vision
