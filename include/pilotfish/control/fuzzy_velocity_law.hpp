@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/fuzzy/mamdani.hpp"
+
+namespace pilotfish::control {
+
+/// Physical meaning of the normalised universes [-1, 1].
+struct FuzzyVelocityConfig {
+  double error_scale_m = 0.8;            ///< distance error at which e saturates
+  double error_change_scale_m = 0.02;    ///< change of the error per control period at which ec saturates
+  double velocity_scale_mps = 0.6;       ///< speed commanded at u = 1
+  double control_period_s = 1.0 / 30.0;  ///< T of the law
+  static const std::vector<Parameter<FuzzyVelocityConfig>>& parameters();
+};
+
+/// One evaluation with all it went through, for the status message and for people.
+struct VelocityCommand {
+  double linear_mps = 0.0;
+  double error_m = 0.0;         ///< e(t) = d_p - d(t); positive: too close
+  double error_change_m = 0.0;  ///< ec(t), referred to one control period
+  fuzzy::Inference inference;
+};
+
+/// The paper's law. e(t) = d_p - d(t), ec(t) = e(t) - e(t-1) per control period T. Frames do not come exactly every T,
+/// so ec is taken as the error's rate over the REAL time between two measurements, times T; at the nominal rate this is
+/// the paper's difference. Without a previous measurement ec = 0.
+VelocityCommand fuzzy_velocity(const fuzzy::Controller& controller, const FuzzyVelocityConfig& config,
+                               double distance_setpoint_m, double distance_m, std::optional<double> previous_error_m,
+                               double dt_s);
+
+}  // namespace pilotfish::control

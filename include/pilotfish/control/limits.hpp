@@ -1,0 +1,21 @@
+#pragma once
+
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::control {
+
+struct LimitsConfig {
+  double max_linear_mps = 0.6;
+  double max_reverse_mps = 0.3;  ///< speed allowed backwards, as a positive number; 0 forbids reversing
+  double max_linear_acceleration_mps2 = 1.0;
+  double max_angular_radps = 2.0;
+  double max_angular_acceleration_radps2 = 10.0;
+  static const std::vector<Parameter<LimitsConfig>>& parameters();
+};
+
+/// The nearest command to `wanted` within the limits on speed and, starting from `previous` a time dt_s ago, on
+/// acceleration. dt_s <= 0 allows no change of speed beyond the speed limits themselves.
+Twist limit(const LimitsConfig& config, const Twist& wanted, const Twist& previous, double dt_s);
+
+}  // namespace pilotfish::control
