@@ -1,0 +1,64 @@
+#include "pilotfish/coordinator/coordinator.hpp"
+
+#include <pybind11/stl/filesystem.h>
+
+#include "arrays.hpp"
+#include "parameters.hpp"
+#include "pilotfish/config/describe.hpp"
+#include "pilotfish/config/files.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish;
+using namespace pilotfish::python;
+
+namespace {
+
+void bind_config(py::module_& m) {
+  bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
+  py::class_<CoordinatorConfig>(m, "CoordinatorConfig", "Everything a coordinator needs to know.")
+      .def(py::init<>())
+      .def_readwrite("camera", &CoordinatorConfig::camera)
+      .def_readwrite("mounting", &CoordinatorConfig::mounting)
+      .def_readwrite("leader", &CoordinatorConfig::leader)
+      .def_readwrite("vision", &CoordinatorConfig::vision)
+      .def_readwrite("control", &CoordinatorConfig::control)
+      .def_readwrite("safety", &CoordinatorConfig::safety)
+      .def_readwrite("setpoint", &CoordinatorConfig::setpoint);
+  py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
+      .def_readonly("name", &config::CoordinatorFile::name)
+      .def_readonly("source", &config::CoordinatorFile::source)
+      .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
+      .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
+  m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
+  m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
+  m.def("load_leader_body", &config::load_leader_body, py::arg("path"));
+  m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");
+}
+
+}  // namespace
+
+PYBIND11_MODULE(coordinator, m) {
+  for (const char* room : {"pilotfish.core", "pilotfish.fuzzy", "pilotfish.vision", "pilotfish.control"})
+    py::module_::import(room);
+  m.doc() = "The heart: Coordinator.step(frame) -> StepResult. Pure: no clock, no I/O.";
+  bind_config(m);
+
+  py::class_<StepResult>(m, "StepResult", "What one frame led to.")
+      .def_readonly("utime", &StepResult::utime)
+      .def_readonly("status", &StepResult::status)
+      .def_readonly("reason", &StepResult::reason)
+      .def_readonly("observation", &StepResult::observation, "None unless measured in this very frame")
+      .def_readonly("control", &StepResult::control, "None unless the law ran in this very frame")
+      .def_readonly("command", &StepResult::command);
+
+  py::class_<Coordinator>(m, "Coordinator", "Frame in, StepResult out; all time is the frames' own.")
+      .def(py::init<const CoordinatorConfig&>(), py::arg("config"))
+      .def("step", &Coordinator::step, py::arg("frame"), py::call_guard<py::gil_scoped_release>())
+      .def("without_frame", &Coordinator::without_frame, py::arg("utime"),
+           py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
+           "What holds at utime if no newer frame has come; changes nothing.")
+      .def("set_setpoint", &Coordinator::set_setpoint, py::arg("setpoint"),
+           "False, and the old one stays, if a number is out of range or not finite.")
+      .def_property_readonly("setpoint", &Coordinator::setpoint)
+      .def_property_readonly("rejected", &Coordinator::rejected);
+}

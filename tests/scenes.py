@@ -1,0 +1,26 @@
+"""Pictures that several rooms' tests need."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pilotfish import core, sim
+from pilotfish import data as shipped
+
+PERIOD_US = 33_333
+
+
+def leader_pictures(count: int, *, hidden_from: int | None = None, start_utime: int = 1_000_000) -> list[core.Frame]:
+    """What the line scenario's coordinator sees if it stands still: the leader drives ahead. From frame
+    ``hidden_from`` on the pictures are plain gray."""
+    scenario = sim.load_scenario(str(shipped.path("scenarios/line.yaml")))
+    world = sim.World(scenario)
+    robot = next(r.name for r in scenario.robots if r.follows)
+    frames = []
+    for k in range(count):
+        world.advance_to(k / 30)
+        image = world.capture(robot).image
+        if hidden_from is not None and k >= hidden_from:
+            image = np.full_like(image, 128)
+        frames.append(core.Frame(image, utime=start_utime + k * PERIOD_US))
+    return frames
