@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <ostream>
+#include <string>
+
+#include "pilotfish/sim/world.hpp"
+
+namespace pilotfish::sim {
+
+/// The answer to one exposure, as the recording tells it.
+struct Answer {
+  Twist command;          ///< the answer to this exposure; if there is none, what the robot will be obeying then
+  std::string status;     ///< what its coordinator called itself; empty before the first answer
+  bool delivered = true;  ///< false: the camera dropped this frame
+};
+
+/// One row per following robot and exposure, with the truth at the exposure. Numbers are written so that
+/// reading them back gives the same bits.
+void write_recording_header(std::ostream& csv);
+void write_recording_row(std::ostream& csv, const World& world, const std::string& robot, const Answer& answer);
+
+}  // namespace pilotfish::sim

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/sim/robot_body.hpp"
+
+namespace pilotfish::sim {
+
+/// What lies between an ideal picture and the one a camera delivers.
+struct Imperfections {
+  double blur_sigma_px = 0.7;
+  double noise_sigma = 3.0;      ///< of white Gaussian noise, in gray levels, after the exposure
+  double exposure_gain = 1.0;    ///< all grays times this, clipped at 255
+  double exposure_time_s = 0.0;  ///< motion blur: the shutter is open so long, around the instant of the frame's time
+  int exposure_samples = 5;      ///< instants that are averaged if exposure_time_s > 0
+  double clutter = 1.0;          ///< contrast of the background: 0 is a plain wall
+  static const std::vector<Parameter<Imperfections>>& parameters();
+};
+
+/// A body in front of the camera.
+struct VisibleBody {
+  const std::vector<Surface>* surfaces = nullptr;  ///< see surfaces_of(); outlives the call that it is given to
+  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
+};
+
+/// All that a camera sees at one instant.
+struct View {
+  std::vector<VisibleBody> bodies;
+  double camera_heading_rad = 0.0;  ///< of the robot that carries it: the background turns with it
+};
+
+/// A camera, as a function of what is in front of it: gray pictures with exact geometry.
+///
+/// Every surface is a rectangle in space. Along the ray of the undistorted image point (x, y, 1) its own
+/// coordinates are (a, b, 1) ~ M^-1 (x, y, 1) with M = [half_a half_b centre]: so its outline and every line
+/// between the cells of a tag is a straight line in (x, y), and on which side a point lies is the sign of a
+/// linear function. A pixel that such a line crosses is cut up along those lines, nearest surface first, and
+/// each piece counts with its area: edges come out as the exact area-weighted mean, not as a number of
+/// samples. The lens distortion sits in the corners of the pixels, which are taken back to (x, y) once per
+/// camera by normalize_pixel.
+///
+/// The background is a wall and a floor full of edges on a cylinder infinitely far away: it turns with the
+/// camera and does not come nearer. Same camera, views and seeds: same bytes. The random numbers are our own
+/// (no std distribution, whose results compilers are free to choose); blur and shapes of the clutter are
+/// OpenCV's integer code.
+class Renderer {
+ public:
+  /// Throws ConfigError on a camera or imperfections out of range.
+  Renderer(const CameraModel& camera, const CameraMounting& mounting, const Imperfections& imperfections,
+           std::uint64_t clutter_seed);
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  /// The picture, camera.height rows of camera.width bytes: of one instant, or the mean of several (motion blur).
+  std::vector<std::uint8_t> render(const std::vector<View>& instants, std::uint64_t noise_seed) const;
+
+  const CameraModel& camera() const;
+  const Imperfections& imperfections() const;
+
+ private:
+  struct Optics;
+  std::unique_ptr<const Optics> optics_;
+};
+
+}  // namespace pilotfish::sim

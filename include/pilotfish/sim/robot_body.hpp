@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "pilotfish/core/leader_body.hpp"
+
+namespace pilotfish::sim {
+
+/// What a robot looks like: a box, and tags that hang on it or beside it. Grays are in [0, 255].
+struct RobotBody {
+  LeaderBody leader{"", "tag36h11", {}};                ///< may be without tags
+  std::array<double, 3> box_size_m{0.0, 0.0, 0.0};      ///< length, width, height; any of them zero: no box
+  std::array<double, 3> box_position_m{0.0, 0.0, 0.0};  ///< of its centre, in the robot's base frame
+  double box_gray = 110.0;
+  double white_gray = 220.0;  ///< of the tags' paper
+  double black_gray = 30.0;   ///< of the tags' ink
+  static const std::vector<Parameter<RobotBody>>& parameters();
+};
+
+/// A flat rectangle that can be seen: a tag's sheet of paper, or a face of the box. All vectors are in the
+/// base frame of the robot that wears it. As one reads it, a points to the right and b down, so a x b points
+/// into the wall.
+struct Surface {
+  Eigen::Vector3d centre_m, half_a_m, half_b_m;
+  int cells = 1;             ///< the pattern has cells x cells equal fields
+  std::vector<float> grays;  ///< of the fields, row by row from the top left
+  float back_gray = 0.0F;    ///< seen from behind; negative: cannot be seen from there
+  bool is_sheet = false;     ///< lies on other surfaces: hides a wall that is up to kSheetClearance_m nearer
+};
+
+inline constexpr double kSheetClearance_m = 0.005;
+
+/// The faces of the box, and every tag as a sheet: for a tag36h11, 10 x 10 cells with the white quiet zone
+/// around the black square of 8 x 8. Throws ConfigError if libapriltag has no such family or the family has no such id.
+std::vector<Surface> surfaces_of(const RobotBody& body);
+
+}  // namespace pilotfish::sim

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/core/setpoint.hpp"
+#include "pilotfish/sim/renderer.hpp"
+#include "pilotfish/sim/robot_body.hpp"
+#include "pilotfish/sim/trajectory.hpp"
+#include "pilotfish/sim/unicycle.hpp"
+
+namespace pilotfish::sim {
+
+/// When nobody can see a robot: for scenes in which the leader vanishes, or is covered for a while.
+struct Visibility {
+  double hidden_from_s = kNever_s;
+  double hidden_until_s = kNever_s;
+  bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
+  static const std::vector<Parameter<Visibility>>& parameters();
+};
+
+/// A robot's own camera.
+struct CameraSpec {
+  CameraModel model;
+  CameraMounting mounting;
+  Imperfections imperfections;
+  double latency_s = 1.0 / 30.0;  ///< from the exposure to the moment the command that answers it acts
+  double drop_probability = 0.0;  ///< of a picture never being delivered
+  static const std::vector<Parameter<CameraSpec>>& parameters();
+};
+
+/// One robot of the world. What it does is one of three: it drives a trajectory, it follows another robot by
+/// sight, or, with neither, it obeys whoever sends it commands.
+struct RobotSpec {
+  std::string name;
+  Pose2 start;
+  std::optional<Trajectory> trajectory;
+  std::string follows;  ///< name of the robot its camera is there for; empty if none
+  DriveConfig drive;
+  std::optional<RobotBody> body;  ///< what others see of it; nothing if it has none
+  Visibility visibility;
+  std::optional<CameraSpec> camera;
+  std::filesystem::path coordinator_file;  ///< configuration of the coordinator that drives it; not read here
+  std::optional<Setpoint> setpoint;        ///< what that coordinator is to be told, if not what its file says
+};
+
+/// A world to play: robots, time, seed. See data/scenarios/.
+struct Scenario {
+  std::string name;
+  std::string description;
+  double duration_s = 20.0;
+  double frame_rate_hz = 30.0;
+  int seed = 1;
+  std::vector<RobotSpec> robots;
+  static const std::vector<Parameter<Scenario>>& parameters();
+
+  const RobotSpec* find(const std::string& robot) const;  ///< nullptr if there is none of that name
+  int frame_count() const;                                ///< exposures at k / frame_rate_hz, k = 0, 1, ... < duration
+  /// Throws ConfigError ("robots[1].follows: ..."): names, who follows whom, what that needs, ranges.
+  void validate() const;
+};
+
+}  // namespace pilotfish::sim

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::sim {
+
+/// A pose on the ground, in the world frame.
+struct Pose2 {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double heading_rad = 0.0;  ///< about the vertical, 0 along the world's x axis; in (-pi, pi]
+  static const std::vector<Parameter<Pose2>>& parameters();
+};
+
+/// Where a robot is and how fast it really moves.
+struct UnicycleState {
+  Pose2 pose;
+  Twist twist;
+};
+
+/// What a drive can do, and how late it does it.
+struct DriveConfig {
+  double max_linear_mps = 0.6;
+  double max_linear_acceleration_mps2 = 1.0;
+  double max_angular_radps = 2.0;
+  double max_angular_acceleration_radps2 = 10.0;
+  double actuator_lag_s = 0.1;     ///< time constant of the wheels' speed control; 0: none
+  double command_timeout_s = 0.2;  ///< a command that is not renewed for so long is taken as zero; 0: never
+  static const std::vector<Parameter<DriveConfig>>& parameters();
+};
+
+/// The pose after moving with a constant twist for dt_s: exactly, along the arc.
+///
+///   x += v dt sinc(w dt / 2) cos(heading + w dt / 2),  y likewise with sin,  heading += w dt
+///
+/// since the chord of an arc of length v dt and angle w dt has length v dt sinc(w dt / 2), sinc(a) = sin(a) /
+/// a, and the direction half way. No case distinction between straight and turning is needed.
+Pose2 move_along_arc(const Pose2& pose, const Twist& twist, double dt_s);
+
+/// A differential-drive robot behind its wheel driver. A command is clamped to the top speeds; the driver's
+/// set value r ramps towards it with the greatest acceleration; the wheels follow r with a first-order lag
+/// tau:
+///
+///   dr/dt = +-a until r reaches the command,   dv/dt = (r - v) / tau
+///
+/// Both are solved in closed form; only the path between them is not, and is made of arcs with the mean twist
+/// of a sub-step of kSubStep_s (error of the position: below 1e-6 m for the speeds of such robots).
+class Unicycle {
+ public:
+  static constexpr double kSubStep_s = 0.001;
+
+  explicit Unicycle(const DriveConfig& drive, const Pose2& start = {});
+
+  const UnicycleState& state() const { return state_; }
+  const Twist& set_value() const { return set_value_; }
+  /// Obeys one constant command for duration_s (>= 0).
+  void advance(const Twist& command, double duration_s);
+
+ private:
+  DriveConfig drive_;
+  UnicycleState state_;
+  Twist set_value_;  ///< the driver's ramp r
+};
+
+}  // namespace pilotfish::sim

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/sim/scenario.hpp"
+
+namespace pilotfish::sim {
+
+/// Time zero of every world on the frames' clock [us]: not zero, which elsewhere means "never".
+inline constexpr std::int64_t kStartUtime = 1'000'000;
+
+/// The world of a scenario. It has no clock: it is advanced. It has no hidden randomness: noise, clutter and
+/// dropped frames are functions of (seed, name of the robot, number of the frame), so what one robot sees
+/// does not depend on who else is looking. The same commands give the same bytes.
+///
+/// A robot's name that the scenario does not have is a std::out_of_range: a mistake of the caller, not of the run.
+class World {
+ public:
+  /// Throws ConfigError if the scenario is not valid.
+  explicit World(Scenario scenario);
+  World(const World&) = delete;
+  World(World&&) = default;
+
+  const Scenario& scenario() const { return scenario_; }
+  double time_s() const { return time_s_; }
+  std::int64_t utime() const;
+  /// Number of the exposure that belongs to the present time: round(time * rate).
+  std::int64_t frame_index() const;
+
+  /// From effective_time_s on the robot is told this, until something newer takes effect. A time in the past
+  /// means now. Refused (false): a twist or time that is not finite, or a robot that drives a trajectory.
+  bool command(const std::string& robot, const Twist& twist, double effective_time_s);
+  /// Moves everybody on. A time in the past changes nothing.
+  void advance_to(double time_s);
+
+  UnicycleState state(const std::string& robot) const;
+  /// The command that acts at a time that is not in the past, if no other comes before.
+  Twist command_in_effect(const std::string& robot, double time_s) const;
+
+  /// Of the robot that `robot` follows, at this instant: its base in the camera's frame, and its distance,
+  /// bearing and heading from the follower's base.
+  Eigen::Isometry3d true_cMo(const std::string& robot) const;
+  RelativePose true_relative_pose(const std::string& robot) const;
+
+  /// What the robot's camera takes now; nothing if the scenario's seed drops this frame.
+  std::optional<Frame> capture(const std::string& robot) const;
+
+ private:
+  struct Pending {
+    double time_s = 0.0;
+    Twist twist;
+  };
+  struct Robot {
+    const RobotSpec* spec = nullptr;
+    Unicycle unicycle{DriveConfig{}};
+    std::deque<Pending> pending;  ///< by time
+    Pending in_effect;            ///< since when, and what
+    std::vector<Surface> surfaces;
+    std::optional<Renderer> renderer;
+  };
+
+  const Robot& robot(const std::string& name) const;
+  const Robot& leader_of(const Robot& follower) const;
+  UnicycleState state_near_now(const Robot& robot, double offset_s) const;
+  Eigen::Isometry3d camera_in_world(const Robot& robot, double offset_s) const;
+  View view(const Robot& robot, double offset_s) const;
+  void drive(Robot& robot, double until_s) const;
+
+  Scenario scenario_;
+  std::map<std::string, Robot> robots_;
+  double time_s_ = 0.0;
+};
+
+/// World from base: a pose on the ground as a pose in space.
+Eigen::Isometry3d world_from_base(const Pose2& pose);
+
+}  // namespace pilotfish::sim

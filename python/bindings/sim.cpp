@@ -1,0 +1,232 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "arrays.hpp"
+#include "parameters.hpp"
+#include "pilotfish/config/scenario_file.hpp"
+#include "pilotfish/sim/awaited_answers.hpp"
+#include "pilotfish/sim/recorder.hpp"
+#include "pilotfish/sim/world.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish;
+using namespace pilotfish::python;
+using namespace pilotfish::sim;
+
+namespace {
+
+void bind_motion(py::module_& m) {
+  py::class_<Pose2>(m, "Pose2", "A pose on the ground in the world frame.")
+      .def(py::init([](double x_m, double y_m, double heading_rad) {
+             return Pose2{x_m, y_m, heading_rad};
+           }),
+           py::kw_only(), py::arg("x_m") = 0.0, py::arg("y_m") = 0.0, py::arg("heading_rad") = 0.0)
+      .def_readonly("x_m", &Pose2::x_m)
+      .def_readonly("y_m", &Pose2::y_m)
+      .def_readonly("heading_rad", &Pose2::heading_rad)
+      .def("__repr__", [](const Pose2& pose) {
+        std::ostringstream out;
+        out << "Pose2(x_m=" << pose.x_m << ", y_m=" << pose.y_m << ", heading_rad=" << pose.heading_rad << ")";
+        return out.str();
+      });
+  py::class_<UnicycleState>(m, "UnicycleState", "Where a robot is and how fast it really moves.")
+      .def_readonly("pose", &UnicycleState::pose)
+      .def_readonly("twist", &UnicycleState::twist);
+  bind_parameters<DriveConfig>(m, "DriveConfig", "What a drive can do, and how late it does it.");
+  m.def("move_along_arc", &move_along_arc, "The pose after dt_s with a constant twist, exactly.", py::arg("pose"),
+        py::arg("twist"), py::arg("dt_s"));
+  py::class_<Unicycle>(m, "Unicycle", "A differential-drive robot behind its wheel driver.")
+      .def(py::init<const DriveConfig&, const Pose2&>(), py::arg("drive"), py::arg("start") = Pose2{})
+      .def_property_readonly("state", &Unicycle::state)
+      .def_property_readonly("set_value", &Unicycle::set_value, "the driver's ramp behind which the wheels lag")
+      .def("advance", &Unicycle::advance, "Obeys one constant command for duration_s.", py::arg("command"),
+           py::arg("duration_s"));
+}
+
+void bind_trajectories(py::module_& m) {
+  bind_parameters<SpeedProfile>(m, "SpeedProfile", "Speed along a path: from rest, along, and back to rest.");
+  py::class_<Still>(m, "Still", "Stands where it starts.").def(py::init<>());
+  py::class_<Line>(m, "Line", "Straight ahead.")
+      .def(py::init([](const SpeedProfile& profile) { return Line{profile}; }), py::arg("profile") = SpeedProfile{})
+      .def_readonly("profile", &Line::profile);
+  py::class_<Circle>(m, "Circle", "A circular arc.")
+      .def(py::init([](double radius_m, bool clockwise, const SpeedProfile& profile) {
+             Circle circle{radius_m, clockwise, profile};
+             check_ranges(circle, "circle");
+             return circle;
+           }),
+           py::kw_only(), py::arg("radius_m") = 1.0, py::arg("clockwise") = false, py::arg("profile") = SpeedProfile{})
+      .def_readonly("radius_m", &Circle::radius_m)
+      .def_readonly("clockwise", &Circle::clockwise)
+      .def_readonly("profile", &Circle::profile);
+  py::class_<FigureEight>(m, "FigureEight", "Gerono's lemniscate at constant speed along its arc.")
+      .def(py::init([](double half_length_m, double half_width_m, const SpeedProfile& profile) {
+             FigureEight eight{half_length_m, half_width_m, profile};
+             check_ranges(eight, "figure_eight");
+             return eight;
+           }),
+           py::kw_only(), py::arg("half_length_m") = 1.5, py::arg("half_width_m") = 1.0,
+           py::arg("profile") = SpeedProfile{})
+      .def_property_readonly("lap_length_m", &lap_length_m)
+      .def_readonly("profile", &FigureEight::profile);
+  bind_parameters<Waypoint>(m, "Waypoint", "A point to drive to, in the frame of the start.");
+  bind_parameters<Waypoints>(m, "Waypoints", "From point to point: turn on the spot, drive, stop, wait.")
+      .def_readwrite("points", &Waypoints::points);
+  m.def("state_at", &state_at, "UnicycleState on the trajectory that begins at `start`, exactly.",
+        py::arg("trajectory"), py::arg("start"), py::arg("time_s"));
+}
+
+void bind_rendering(py::module_& m) {
+  bind_parameters<Imperfections>(m, "Imperfections", "What lies between an ideal picture and a camera's.");
+  bind_parameters<RobotBody>(m, "RobotBody", "What a robot looks like: a box, and tags.")
+      .def_readwrite("leader", &RobotBody::leader, "LeaderBody: its tags");
+  py::class_<Renderer>(m, "Renderer", "A camera, as a function of what is in front of it.")
+      .def(py::init([](const CameraModel& camera, const Imperfections& imperfections, const CameraMounting& mounting,
+                       std::uint64_t clutter_seed) {
+             return std::make_unique<Renderer>(camera, mounting, imperfections, clutter_seed);
+           }),
+           py::arg("camera"), py::arg("imperfections") = Imperfections{}, py::arg("mounting") = CameraMounting{},
+           py::kw_only(), py::arg("clutter_seed") = 1)
+      .def(
+          "render",
+          [](const Renderer& renderer, const std::vector<std::pair<RobotBody, DoubleArray>>& bodies,
+             double camera_heading_rad, std::uint64_t seed) {
+            std::vector<std::vector<Surface>> surfaces;
+            for (const auto& [body, cMo] : bodies) surfaces.push_back(surfaces_of(body));
+            View view;
+            view.camera_heading_rad = camera_heading_rad;
+            for (std::size_t i = 0; i < bodies.size(); ++i)
+              view.bodies.push_back({&surfaces[i], to_pose(bodies[i].second)});
+            std::vector<std::uint8_t> pixels;
+            {
+              const py::gil_scoped_release released;
+              pixels = renderer.render({view}, seed);
+            }
+            const CameraModel& camera = renderer.camera();
+            return to_array(ImageView{pixels.data(), pixels.size(), camera.width, camera.height, camera.width});
+          },
+          "(H, W) uint8 of the bodies, given as a list of (RobotBody, cMo (4, 4)); seed: of the noise.",
+          py::arg("bodies"), py::kw_only(), py::arg("camera_heading_rad") = 0.0, py::arg("seed") = 1);
+  m.def(
+      "render_view",
+      [](const py::object& camera, const py::object& leader, const py::object& cMo, const py::object& imperfections,
+         std::uint64_t seed) {
+        RobotBody body;
+        body.leader = leader.cast<LeaderBody>();
+        const Renderer renderer(camera.cast<CameraModel>(), {}, imperfections.cast<Imperfections>(), seed);
+        return py::cast(&renderer, py::return_value_policy::reference)
+            .attr("render")(py::make_tuple(py::make_tuple(body, cMo)), py::arg("seed") = seed);
+      },
+      "(H, W) uint8 of a leader's tags alone, in front of clutter; a Renderer is faster for many pictures.",
+      py::arg("camera"), py::arg("leader"), py::arg("cMo"), py::kw_only(), py::arg("imperfections") = Imperfections{},
+      py::arg("seed") = 1);
+}
+
+void bind_scenario(py::module_& m) {
+  py::class_<CameraSpec>(m, "CameraSpec", "A robot's own camera.")
+      .def_readwrite("model", &CameraSpec::model)
+      .def_readwrite("mounting", &CameraSpec::mounting)
+      .def_readwrite("imperfections", &CameraSpec::imperfections)
+      .def_readwrite("latency_s", &CameraSpec::latency_s)
+      .def_readwrite("drop_probability", &CameraSpec::drop_probability);
+  bind_parameters<Visibility>(m, "Visibility", "When nobody can see a robot.");
+  py::class_<RobotSpec>(m, "RobotSpec", "One robot of the world.")
+      .def(py::init<>())
+      .def_readwrite("name", &RobotSpec::name)
+      .def_readwrite("start", &RobotSpec::start)
+      .def_readwrite("trajectory", &RobotSpec::trajectory, "None: it follows somebody or obeys commands")
+      .def_readwrite("follows", &RobotSpec::follows, "name of its leader; empty if none")
+      .def_readwrite("drive", &RobotSpec::drive)
+      .def_readwrite("body", &RobotSpec::body)
+      .def_readwrite("visibility", &RobotSpec::visibility)
+      .def_readwrite("camera", &RobotSpec::camera)
+      .def_property_readonly(
+          "coordinator_file",
+          [](const RobotSpec& robot) -> std::optional<std::filesystem::path> {
+            if (robot.coordinator_file.empty()) return std::nullopt;
+            return robot.coordinator_file;
+          },
+          "configuration of the coordinator that drives it; None if there is none")
+      .def_readwrite("setpoint", &RobotSpec::setpoint, "None: what the coordinator's file says");
+  bind_parameters<Scenario>(m, "Scenario", "A world to play: robots, time, seed.")
+      .def_readwrite("robots", &Scenario::robots, "list of RobotSpec; getting it gives a copy, so set it as a whole")
+      .def_property_readonly("frame_count", &Scenario::frame_count)
+      .def(
+          "robot",
+          [](const Scenario& scenario, const std::string& name) {
+            if (const RobotSpec* robot = scenario.find(name)) return *robot;
+            throw py::key_error("there is no robot '" + name + "' in the scenario");
+          },
+          "A copy of the robot of that name.", py::arg("name"))
+      .def("validate", &Scenario::validate, "ValueError names the key at fault.");
+  m.def("load_scenario", &config::load_scenario, "ValueError names the key at fault.", py::arg("path"));
+}
+
+void bind_world(py::module_& m) {
+  m.attr("START_UTIME") = kStartUtime;
+  py::class_<World>(m, "World", "The world of a scenario. It has no clock: it is advanced.")
+      .def(py::init<Scenario>(), py::arg("scenario"))
+      .def_property_readonly("scenario", &World::scenario, py::return_value_policy::copy)
+      .def_property_readonly("time_s", &World::time_s)
+      .def_property_readonly("utime", &World::utime)
+      .def_property_readonly("frame_index", &World::frame_index)
+      .def("command", &World::command, "What the robot is told from effective_time_s on; False if refused.",
+           py::arg("robot"), py::arg("twist"), py::arg("effective_time_s"))
+      .def("advance_to", &World::advance_to, py::arg("time_s"), py::call_guard<py::gil_scoped_release>())
+      .def("state", &World::state, py::arg("robot"))
+      .def("command_in_effect", &World::command_in_effect, py::arg("robot"), py::arg("time_s"))
+      .def(
+          "true_cMo", [](const World& world, const std::string& robot) { return to_array(world.true_cMo(robot)); },
+          "(4, 4): the leader's base in the robot's camera frame", py::arg("robot"))
+      .def(
+          "true_relative_pose",
+          [](const World& world, const std::string& robot) {
+            const RelativePose pose = world.true_relative_pose(robot);
+            return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
+          },
+          "(distance_m, bearing_rad, heading_rad) of the leader", py::arg("robot"))
+      .def("capture", &World::capture, "Frame, or None if this one is dropped.", py::arg("robot"),
+           py::call_guard<py::gil_scoped_release>());
+}
+
+void bind_loop_parts(py::module_& m) {
+  py::class_<AwaitedAnswers>(m, "AwaitedAnswers", "The bookkeeping of lock-step: whose answer is still out.")
+      .def(py::init<double, double>(), py::kw_only(), py::arg("resend_after_s"), py::arg("give_up_after_s"))
+      .def("sent", &AwaitedAnswers::sent, py::arg("robot"), py::arg("utime"), py::arg("now_s"))
+      .def("answered", &AwaitedAnswers::answered, "True if it answers the picture awaited.", py::arg("robot"),
+           py::arg("utime"))
+      .def_property_readonly("complete", &AwaitedAnswers::complete)
+      .def("to_resend", &AwaitedAnswers::to_resend, py::arg("now_s"))
+      .def("overdue", &AwaitedAnswers::overdue, py::arg("now_s"));
+  m.def(
+      "recording_header",
+      [] {
+        std::ostringstream csv;
+        write_recording_header(csv);
+        return csv.str();
+      },
+      "First line of what pilotfish-sim --record writes.");
+  m.def(
+      "recording_row",
+      [](const World& world, const std::string& robot, const Twist& command, const std::string& status,
+         bool delivered) {
+        std::ostringstream csv;
+        write_recording_row(csv, world, robot, {command, status, delivered});
+        return csv.str();
+      },
+      "One row of it: the truth at this instant, and the answer.", py::arg("world"), py::arg("robot"), py::kw_only(),
+      py::arg("command"), py::arg("status"), py::arg("delivered") = true);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(sim, m) {
+  py::module_::import("pilotfish.core");
+  m.doc() = "The world to try it in: trajectories, unicycles, cameras. Seeded and without a clock.";
+  bind_motion(m);
+  bind_trajectories(m);
+  bind_rendering(m);
+  bind_scenario(m);
+  bind_world(m);
+  bind_loop_parts(m);
+}

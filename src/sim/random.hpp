@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace pilotfish::sim {
+
+/// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014): 64 bits of
+/// state, every seed is good, and the same numbers on every platform, which std's distributions do not promise.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+
+  std::uint64_t next() {
+    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+    return z ^ (z >> 31);
+  }
+  /// In [0, 1).
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  /// In [low, high], both included; the bias of the remainder is below 1e-15 for the small ranges used here.
+  int integer(int low, int high) { return low + static_cast<int>(next() % static_cast<std::uint64_t>(high - low + 1)); }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Another seed for another purpose: seed_for(seed_for(seed, "noise"), frame).
+inline std::uint64_t seed_for(std::uint64_t seed, std::uint64_t number) {
+  return Random(seed ^ Random(number + 1).next()).next();
+}
+inline std::uint64_t seed_for(std::uint64_t seed, std::string_view word) {
+  std::uint64_t hash = 0xCBF29CE484222325ULL;  // FNV-1a
+  for (char letter : word) hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001B3ULL;
+  return seed_for(seed, hash);
+}
+
+}  // namespace pilotfish::sim

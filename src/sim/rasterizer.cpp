@@ -1,0 +1,331 @@
+#include "rasterizer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "convex_polygon.hpp"
+
+namespace pilotfish::sim {
+namespace {
+
+constexpr double kNearest_m = 0.01;  // what is nearer to the optical centre is not drawn
+
+using Outline = std::vector<Eigen::Vector3d>;
+
+/// A surface in front of the camera. Along the ray (x, y, 1): (a', b', w)^T = from_ray (x, y, 1)^T, with a' /
+/// w and b' / w in [-1, 1] inside the rectangle and w = 1 / depth.
+struct Facet {
+  Eigen::Matrix3d from_ray;
+  double priority = 1.0;  ///< depths are compared as w * priority: a sheet wins over the wall it hangs on
+  int cells = 1;
+  const float* grays = nullptr;
+  int left = 0, right = 0, top = 0, bottom = 0;  ///< pixels it may touch: [left, right) x [top, bottom)
+  std::array<Line2, 4> sides{};                  ///< inside is positive
+
+  Line2 row(int i) const { return {from_ray(i, 0), from_ray(i, 1), from_ray(i, 2)}; }
+  /// Where along axis (0: a, 1: b) equals t: positive on the side of larger values.
+  Line2 line(int axis, double t) const {
+    const Line2 s = row(axis), w = row(2);
+    return {s.a - t * w.a, s.b - t * w.b, s.c - t * w.c};
+  }
+};
+
+struct Box {
+  int left, right, top, bottom;
+};
+
+/// The part of a convex outline in space where plane . point >= 0 (Sutherland and Hodgman).
+Outline clip(const Outline& outline, const Eigen::Vector3d& plane, double offset) {
+  Outline inside;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector3d &here = outline[i], &next = outline[(i + 1) % outline.size()];
+    const double s_here = plane.dot(here) - offset, s_next = plane.dot(next) - offset;
+    if (s_here >= 0.0) inside.push_back(here);
+    if ((s_here >= 0.0) != (s_next >= 0.0)) inside.push_back(here + (next - here) * (s_here / (s_here - s_next)));
+  }
+  return inside;
+}
+
+/// What of the rectangle is in front of the camera and in its field of view. Only there is the lens model
+/// meant to hold: far outside, its polynomial folds back into the picture.
+Outline visible_outline(const Eigen::Vector3d& centre, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                        const RayGrid& grid) {
+  Outline outline = {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
+  outline = clip(outline, Eigen::Vector3d::UnitZ(), kNearest_m);
+  outline = clip(outline, {1.0, 0.0, -grid.min_x}, 0.0);
+  outline = clip(outline, {-1.0, 0.0, grid.max_x}, 0.0);
+  outline = clip(outline, {0.0, 1.0, -grid.min_y}, 0.0);
+  return clip(outline, {0.0, -1.0, grid.max_y}, 0.0);
+}
+
+/// Marks every pixel that the outline runs through, and finds their bounds. Steps of at most half a pixel,
+/// and the pixels on both sides of a step that comes close to a border, leave none out.
+void trace(const CameraModel& camera, const Outline& outline, Facet& facet, std::vector<std::uint8_t>& crossed) {
+  facet.left = camera.width;
+  facet.top = camera.height;
+  facet.right = facet.bottom = 0;
+  constexpr double reach_px = 0.3;
+  const auto mark = [&](double u, double v) {
+    const int pu = static_cast<int>(std::floor(u + 0.5)), pv = static_cast<int>(std::floor(v + 0.5));
+    facet.left = std::min(facet.left, pu);
+    facet.right = std::max(facet.right, pu + 1);
+    facet.top = std::min(facet.top, pv);
+    facet.bottom = std::max(facet.bottom, pv + 1);
+    if (pu >= 0 && pu < camera.width && pv >= 0 && pv < camera.height)
+      crossed[static_cast<std::size_t>(pv) * camera.width + pu] = 1;
+  };
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector3d &from = outline[i], &to = outline[(i + 1) % outline.size()];
+    const Eigen::Vector2d ray = from.head<2>() / from.z(), end = to.head<2>() / to.z();
+    const double length_px = ((end - ray).array() * Eigen::Array2d(camera.fx, camera.fy)).matrix().norm();
+    const int steps = 1 + static_cast<int>(2.5 * length_px);
+    for (int step = 0; step < steps; ++step) {
+      const Eigen::Vector2d pixel = project_normalized(camera, ray + (end - ray) * (double(step) / steps));
+      for (double du : {-reach_px, reach_px})
+        for (double dv : {-reach_px, reach_px}) mark(pixel.x() + du, pixel.y() + dv);
+    }
+  }
+  facet.left = std::clamp(facet.left, 0, camera.width);
+  facet.right = std::clamp(facet.right, 0, camera.width);
+  facet.top = std::clamp(facet.top, 0, camera.height);
+  facet.bottom = std::clamp(facet.bottom, 0, camera.height);
+}
+
+std::vector<Facet> facets_of(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies,
+                             std::vector<std::uint8_t>& crossed) {
+  std::vector<Facet> facets;
+  for (const VisibleBody& body : bodies)
+    for (const Surface& surface : *body.surfaces) {
+      const Eigen::Vector3d centre = body.cMo * surface.centre_m;
+      const Eigen::Vector3d a = body.cMo.linear() * surface.half_a_m, b = body.cMo.linear() * surface.half_b_m;
+      const double facing = a.cross(b).dot(centre);  // a x b points into the wall
+      if (facing == 0.0 || (facing < 0.0 && surface.back_gray < 0.0F)) continue;
+      const Outline outline = visible_outline(centre, a, b, grid);
+      if (outline.size() < 3) continue;
+      Facet facet;
+      Eigen::Matrix3d to_space;
+      to_space << a, b, centre;
+      facet.from_ray = to_space.inverse();
+      facet.sides = {facet.line(0, -1.0), -facet.line(0, 1.0), facet.line(1, -1.0), -facet.line(1, 1.0)};
+      if (surface.is_sheet) facet.priority = 1.0 + kSheetClearance_m / std::max(centre.z(), kSheetClearance_m);
+      facet.cells = facing > 0.0 ? surface.cells : 1;
+      facet.grays = facing > 0.0 ? surface.grays.data() : &surface.back_gray;
+      trace(camera, outline, facet, crossed);
+      if (facet.left < facet.right && facet.top < facet.bottom) facets.push_back(facet);
+    }
+  return facets;
+}
+
+/// Which facet and cell the ray through each corner of the pixels in `box` meets first.
+struct Hits {
+  static constexpr std::int16_t kNothing = -1;
+  Box box;
+  int stride;
+  std::vector<float> nearness;
+  std::vector<std::int16_t> facet;
+  std::vector<std::int16_t> cell;
+
+  explicit Hits(const Box& b) : box(b), stride(b.right - b.left + 1) {
+    const auto count = static_cast<std::size_t>(stride) * (b.bottom - b.top + 1);
+    nearness.assign(count, 0.0F);
+    facet.assign(count, kNothing);
+    cell.assign(count, 0);
+  }
+  std::size_t at(int u, int v) const { return static_cast<std::size_t>(v - box.top) * stride + (u - box.left); }
+};
+
+void hit(const Facet& facet, std::int16_t index, const RayGrid& grid, Hits& hits) {
+  const Eigen::Matrix3f m = facet.from_ray.cast<float>();
+  const auto priority = static_cast<float>(facet.priority);
+  for (int v = facet.top; v <= facet.bottom; ++v) {
+    const std::size_t ray = static_cast<std::size_t>(v) * grid.columns;
+    const std::size_t row = hits.at(facet.left, v);
+    for (int u = facet.left; u <= facet.right; ++u) {
+      const std::size_t here = row + static_cast<std::size_t>(u - facet.left);
+      const float x = grid.x[ray + u], y = grid.y[ray + u];
+      const float w = m(2, 0) * x + m(2, 1) * y + m(2, 2);
+      const float a = m(0, 0) * x + m(0, 1) * y + m(0, 2);
+      const float b = m(1, 0) * x + m(1, 1) * y + m(1, 2);
+      const bool nearest = (std::abs(a) <= w) & (std::abs(b) <= w) & (w * priority > hits.nearness[here]);
+      hits.nearness[here] = nearest ? w * priority : hits.nearness[here];
+      hits.facet[here] = nearest ? index : hits.facet[here];
+    }
+  }
+}
+
+int cell_along(double coordinate, int cells) {
+  return std::clamp(static_cast<int>((coordinate + 1.0) * 0.5 * cells), 0, cells - 1);
+}
+
+/// Row * cells + column of the cell, for the corners that meet this facet.
+void find_cells(const Facet& facet, std::int16_t index, const RayGrid& grid, Hits& hits) {
+  const Eigen::Matrix3f m = facet.from_ray.cast<float>();
+  for (int v = facet.top; v <= facet.bottom; ++v)
+    for (int u = facet.left; u <= facet.right; ++u) {
+      const std::size_t here = hits.at(u, v);
+      if (hits.facet[here] != index) continue;
+      const std::size_t ray = static_cast<std::size_t>(v) * grid.columns + u;
+      const Eigen::Vector3f q = m * Eigen::Vector3f(grid.x[ray], grid.y[ray], 1.0F);
+      const float inverse = 1.0F / q.z();
+      hits.cell[here] = static_cast<std::int16_t>(cell_along(q.y() * inverse, facet.cells) * facet.cells +
+                                                  cell_along(q.x() * inverse, facet.cells));
+    }
+}
+
+/// Integral of the facet's gray over a polygon inside it: the polygon, cut into columns and these into rows of cells.
+double integral(const Facet& facet, ConvexPolygon rest) {
+  if (facet.cells == 1) return rest.area() * facet.grays[0];
+  const auto range = [&](const ConvexPolygon& polygon, int axis) {
+    const Line2 s = facet.row(axis), w = facet.row(2);
+    std::pair<int, int> first_last{facet.cells, -1};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(polygon.size); ++i) {
+      const double x = polygon.x[i], y = polygon.y[i];
+      const int cell = cell_along(s.at(x, y) / w.at(x, y), facet.cells);
+      first_last = {std::min(first_last.first, cell), std::max(first_last.second, cell)};
+    }
+    return first_last;
+  };
+  double sum = 0.0;
+  ConvexPolygon further, column, cell, below;
+  const auto [first_column, last_column] = range(rest, 0);
+  for (int i = first_column; i <= last_column; ++i) {
+    if (i < last_column) {
+      cut(rest, facet.line(0, 2.0 * (i + 1) / facet.cells - 1.0), further, column);
+    } else {
+      column = rest;
+    }
+    const auto [first_row, last_row] = range(column, 1);
+    for (int j = first_row; j <= last_row; ++j) {
+      if (j < last_row) {
+        cut(column, facet.line(1, 2.0 * (j + 1) / facet.cells - 1.0), below, cell);
+      } else {
+        cell = column;
+      }
+      sum += cell.area() * facet.grays[j * facet.cells + i];
+      if (j < last_row) column = below;
+    }
+    if (i < last_column) rest = further;
+  }
+  return sum;
+}
+
+ConvexPolygon pixel_at(const RayGrid& grid, int u, int v) {
+  ConvexPolygon pixel;
+  for (const auto& [du, dv] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{0, 1}}) {
+    const std::size_t corner = static_cast<std::size_t>(v + dv) * grid.columns + (u + du);
+    pixel.add(grid.x[corner], grid.y[corner]);
+  }
+  return pixel;
+}
+
+/// False if all of the pixel is beyond one of the facet's sides.
+bool touches(const Facet& facet, const ConvexPolygon& pixel) {
+  return std::all_of(facet.sides.begin(), facet.sides.end(), [&](const Line2& side) {
+    for (std::size_t i = 0; i < 4; ++i)
+      if (side.at(pixel.x[i], pixel.y[i]) > 0.0) return true;
+    return false;
+  });
+}
+
+/// The exact mean over one pixel: the nearest facet takes its part of what is still uncovered, and so on to
+/// the background.
+double mean_gray(const std::vector<Facet>& facets, const ConvexPolygon& pixel, int u, int v, double background) {
+  const double middle_x = (pixel.x[0] + pixel.x[2]) / 2.0, middle_y = (pixel.y[0] + pixel.y[2]) / 2.0;
+  std::array<std::pair<double, const Facet*>, 48> near_first;
+  std::size_t candidates = 0;
+  for (const Facet& facet : facets)
+    if (u >= facet.left && u < facet.right && v >= facet.top && v < facet.bottom && touches(facet, pixel) &&
+        candidates < near_first.size())
+      near_first[candidates++] = {-facet.row(2).at(middle_x, middle_y) * facet.priority, &facet};
+  std::sort(near_first.begin(), near_first.begin() + static_cast<std::ptrdiff_t>(candidates),
+            [](const auto& one, const auto& other) { return one.first < other.first; });
+
+  constexpr std::size_t max_pieces = 32;
+  std::array<ConvexPolygon, max_pieces> uncovered, remaining;
+  std::size_t uncovered_count = 1;
+  uncovered[0] = pixel;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < candidates && uncovered_count > 0; ++k) {
+    const Facet& facet = *near_first[k].second;
+    std::size_t remaining_count = 0;
+    for (std::size_t i = 0; i < uncovered_count; ++i) {
+      const std::size_t before = remaining_count;
+      ConvexPolygon inside = uncovered[i], part;
+      for (const Line2& side : facet.sides) {
+        ConvexPolygon outside;
+        cut(inside, side, part, outside);
+        inside = part;
+        if (outside.size > 2 && remaining_count < max_pieces) remaining[remaining_count++] = outside;
+      }
+      if (inside.size > 2) {
+        sum += integral(facet, inside);
+      } else {  // not touched: leave it in one piece
+        remaining_count = before;
+        if (remaining_count < max_pieces) remaining[remaining_count++] = uncovered[i];
+      }
+    }
+    std::copy_n(remaining.begin(), remaining_count, uncovered.begin());
+    uncovered_count = remaining_count;
+  }
+  for (std::size_t i = 0; i < uncovered_count; ++i) sum += uncovered[i].area() * background;
+  return sum / pixel.area();
+}
+
+/// Whether a pixel whose corners meet these four cells of one facet has one gray: its image lies in their bounding box.
+bool same_gray(const Facet& facet, const std::array<std::int16_t, 4>& corners) {
+  if (corners[0] == corners[1] && corners[0] == corners[2] && corners[0] == corners[3]) return true;
+  int left = facet.cells, right = 0, top = facet.cells, bottom = 0;
+  for (std::int16_t cell : corners) {
+    left = std::min(left, cell % facet.cells);
+    right = std::max(right, cell % facet.cells);
+    top = std::min(top, cell / facet.cells);
+    bottom = std::max(bottom, cell / facet.cells);
+  }
+  const float first = facet.grays[top * facet.cells + left];
+  for (int row = top; row <= bottom; ++row)
+    for (int column = left; column <= right; ++column)
+      if (facet.grays[row * facet.cells + column] != first) return false;
+  return true;
+}
+
+}  // namespace
+
+void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, Gray16* image) {
+  std::vector<std::uint8_t> crossed(static_cast<std::size_t>(camera.width) * camera.height, 0);
+  const std::vector<Facet> facets = facets_of(camera, grid, bodies, crossed);
+  if (facets.empty()) return;
+  Box box{camera.width, 0, camera.height, 0};
+  for (const Facet& facet : facets)
+    box = {std::min(box.left, facet.left), std::max(box.right, facet.right), std::min(box.top, facet.top),
+           std::max(box.bottom, facet.bottom)};
+  Hits hits(box);
+  for (std::size_t i = 0; i < facets.size(); ++i) hit(facets[i], static_cast<std::int16_t>(i), grid, hits);
+  for (std::size_t i = 0; i < facets.size(); ++i)
+    if (facets[i].cells > 1) find_cells(facets[i], static_cast<std::int16_t>(i), grid, hits);
+
+  for (int v = box.top; v < box.bottom; ++v)
+    for (int u = box.left; u < box.right; ++u) {
+      const std::size_t upper = hits.at(u, v), lower = hits.at(u, v + 1);
+      const std::size_t pixel = static_cast<std::size_t>(v) * camera.width + u;
+      const std::int16_t index = hits.facet[upper];
+      const bool one_facet = crossed[pixel] == 0 && index == hits.facet[upper + 1] && index == hits.facet[lower] &&
+                             index == hits.facet[lower + 1];
+      if (one_facet && index == Hits::kNothing) continue;
+      const Facet& facet = facets[static_cast<std::size_t>(std::max<std::int16_t>(index, 0))];
+      double gray = 0.0;
+      if (!one_facet) {
+        gray = mean_gray(facets, pixel_at(grid, u, v), u, v, image[pixel] / 256.0);
+      } else if (same_gray(facet, {hits.cell[upper], hits.cell[upper + 1], hits.cell[lower], hits.cell[lower + 1]})) {
+        gray = facet.grays[hits.cell[upper]];
+      } else {
+        const ConvexPolygon outline = pixel_at(grid, u, v);
+        gray = integral(facet, outline) / outline.area();
+      }
+      image[pixel] = static_cast<Gray16>(std::lround(gray * 256.0));
+    }
+}
+
+}  // namespace pilotfish::sim

@@ -1,0 +1,99 @@
+#include "pilotfish/sim/scenario.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+namespace pilotfish::sim {
+namespace {
+
+/// Channels are made from names (robot1 -> ROBOT1_IMAGE), so they are one word, and differ even in capitals.
+std::string channel_word(const std::string& name, const std::string& key) {
+  const auto is_word = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  if (name.empty() || name.size() > 32 || !std::all_of(name.begin(), name.end(), is_word))
+    throw ConfigError(key, "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores");
+  std::string word = name;
+  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::toupper(c); });
+  return word;
+}
+
+template <class Config>
+void check_part(const std::optional<Config>& part, const std::string& section) {
+  if (part) check_ranges(*part, section);
+}
+
+}  // namespace
+
+const std::vector<Parameter<Visibility>>& Visibility::parameters() {
+  static const std::vector<Parameter<Visibility>> table = {
+      {"hidden_from_s", &Visibility::hidden_from_s, 0.0, kNever_s, "from then on nobody sees it"},
+      {"hidden_until_s", &Visibility::hidden_until_s, 0.0, kNever_s, "from then on it is seen again"},
+  };
+  return table;
+}
+
+const std::vector<Parameter<CameraSpec>>& CameraSpec::parameters() {
+  static const std::vector<Parameter<CameraSpec>> table = {
+      {"latency_s", &CameraSpec::latency_s, 0.0, 2.0, "from the exposure until the command that answers it acts"},
+      {"drop_probability", &CameraSpec::drop_probability, 0.0, 1.0, "of a picture never being delivered"},
+  };
+  return table;
+}
+
+const std::vector<Parameter<Scenario>>& Scenario::parameters() {
+  static const std::vector<Parameter<Scenario>> table = {
+      {"name", &Scenario::name, 0, 0, "one word, for file names"},
+      {"description", &Scenario::description, 0, 0, "what there is to see"},
+      {"duration_s", &Scenario::duration_s, 0.01, 1e5, "of the run"},
+      {"frame_rate_hz", &Scenario::frame_rate_hz, 1.0, 1000.0, "of all cameras; they expose together"},
+      {"seed", &Scenario::seed, 0, 2147483647, "of noise, clutter and dropped frames"},
+  };
+  return table;
+}
+
+const RobotSpec* Scenario::find(const std::string& robot) const {
+  const auto found =
+      std::find_if(robots.begin(), robots.end(), [&](const RobotSpec& spec) { return spec.name == robot; });
+  return found == robots.end() ? nullptr : &*found;
+}
+
+int Scenario::frame_count() const { return static_cast<int>(std::ceil(duration_s * frame_rate_hz - 1e-9)); }
+
+void Scenario::validate() const {
+  check_ranges(*this, "");
+  channel_word(name, "name");
+  if (robots.empty()) throw ConfigError("robots", "a world needs at least one robot");
+  std::set<std::string> words;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const RobotSpec& robot = robots[i];
+    const std::string key = "robots[" + std::to_string(i) + "]";
+    if (!words.insert(channel_word(robot.name, key + ".name")).second)
+      throw ConfigError(key + ".name", "'" + robot.name + "' is used twice");
+    check_ranges(robot.start, key + ".start");
+    check_ranges(robot.drive, key + ".drive");
+    check_part(robot.body, key + ".body");
+    check_ranges(robot.visibility, key + ".body");
+    if (robot.visibility.hidden_until_s < robot.visibility.hidden_from_s)
+      throw ConfigError(key + ".body.hidden_until_s", "is before hidden_from_s");
+    if (robot.body && !robot.body->leader.tags.empty()) robot.body->leader.validate();
+    check_part(robot.setpoint, key + ".setpoint");
+    if (robot.camera) {
+      robot.camera->model.validate();
+      check_ranges(*robot.camera, key + ".camera");
+      check_ranges(robot.camera->mounting, key + ".camera.mounting");
+      check_ranges(robot.camera->imperfections, key + ".camera");
+    }
+    if (robot.follows.empty()) continue;
+    const std::string follows = key + ".follows";
+    const RobotSpec* leader = find(robot.follows);
+    if (leader == nullptr) throw ConfigError(follows, "there is no robot '" + robot.follows + "'");
+    if (leader == &robot) throw ConfigError(follows, "a robot cannot follow itself");
+    if (!leader->body || leader->body->leader.tags.empty())
+      throw ConfigError(follows, "'" + robot.follows + "' wears no tags to follow it by");
+    if (robot.trajectory) throw ConfigError(key + ".trajectory", "a robot that follows another has none of its own");
+    if (!robot.camera) throw ConfigError(key + ".camera", "a robot that follows another needs one");
+  }
+}
+
+}  // namespace pilotfish::sim

@@ -1,0 +1,154 @@
+#include "pilotfish/sim/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "random.hpp"
+
+namespace pilotfish::sim {
+
+Eigen::Isometry3d world_from_base(const Pose2& pose) {
+  Eigen::Isometry3d wMb = Eigen::Isometry3d::Identity();
+  wMb.linear() = Eigen::AngleAxisd(pose.heading_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  wMb.translation() = Eigen::Vector3d(pose.x_m, pose.y_m, 0.0);
+  return wMb;
+}
+
+World::World(Scenario scenario) : scenario_(std::move(scenario)) {
+  scenario_.validate();
+  const auto seed = static_cast<std::uint64_t>(scenario_.seed);
+  for (const RobotSpec& spec : scenario_.robots) {
+    Robot robot;
+    robot.spec = &spec;
+    robot.unicycle = Unicycle(spec.drive, spec.start);
+    if (spec.body) robot.surfaces = surfaces_of(*spec.body);
+    if (spec.camera)
+      // One room, whoever looks at it.
+      robot.renderer.emplace(spec.camera->model, spec.camera->mounting, spec.camera->imperfections,
+                             seed_for(seed, "clutter"));
+    robots_.emplace(spec.name, std::move(robot));
+  }
+}
+
+std::int64_t World::utime() const { return kStartUtime + std::llround(time_s_ * 1e6); }
+
+std::int64_t World::frame_index() const { return std::llround(time_s_ * scenario_.frame_rate_hz); }
+
+bool World::command(const std::string& name, const Twist& twist, double effective_time_s) {
+  this->robot(name);  // checks the name
+  Robot& robot = robots_.at(name);
+  if (!is_finite(twist) || !std::isfinite(effective_time_s) || robot.spec->trajectory) return false;
+  const Pending pending{std::max(effective_time_s, time_s_), twist};
+  const auto later = std::upper_bound(robot.pending.begin(), robot.pending.end(), pending,
+                                      [](const Pending& a, const Pending& b) { return a.time_s < b.time_s; });
+  robot.pending.insert(later, pending);
+  return true;
+}
+
+void World::advance_to(double time_s) {
+  if (!(time_s > time_s_) || !std::isfinite(time_s)) return;
+  for (auto& [name, robot] : robots_)
+    if (!robot.spec->trajectory) drive(robot, time_s);
+  time_s_ = time_s;
+}
+
+/// From now until `until_s`, cut where another command begins to act or the acting one runs out.
+void World::drive(Robot& robot, double until_s) const {
+  const double timeout_s = robot.spec->drive.command_timeout_s;
+  double now_s = time_s_;
+  while (now_s < until_s) {
+    while (!robot.pending.empty() && robot.pending.front().time_s <= now_s) {
+      robot.in_effect = robot.pending.front();
+      robot.pending.pop_front();
+    }
+    const double runs_out_s = timeout_s > 0.0 ? robot.in_effect.time_s + timeout_s : kNever_s;
+    double next_s = until_s;
+    if (!robot.pending.empty()) next_s = std::min(next_s, robot.pending.front().time_s);
+    const bool fresh = now_s < runs_out_s;
+    if (fresh) next_s = std::min(next_s, runs_out_s);
+    robot.unicycle.advance(fresh ? robot.in_effect.twist : Twist{}, next_s - now_s);
+    now_s = next_s;
+  }
+}
+
+const World::Robot& World::robot(const std::string& name) const {
+  const auto found = robots_.find(name);
+  if (found != robots_.end()) return found->second;
+  std::string known;
+  for (const auto& entry : robots_) known += (known.empty() ? "" : ", ") + entry.first;
+  throw std::out_of_range("there is no robot '" + name + "' in this world, but " + known);
+}
+
+const World::Robot& World::leader_of(const Robot& follower) const {
+  if (follower.spec->follows.empty()) throw std::out_of_range("'" + follower.spec->name + "' follows nobody");
+  return robot(follower.spec->follows);
+}
+
+/// Not further away than half an exposure: whoever is not on rails moves on with its present twist.
+UnicycleState World::state_near_now(const Robot& robot, double offset_s) const {
+  const RobotSpec& spec = *robot.spec;
+  if (spec.trajectory) return state_at(*spec.trajectory, spec.start, time_s_ + offset_s);
+  const UnicycleState& now = robot.unicycle.state();
+  return {move_along_arc(now.pose, now.twist, offset_s), now.twist};
+}
+
+UnicycleState World::state(const std::string& name) const { return state_near_now(robot(name), 0.0); }
+
+Twist World::command_in_effect(const std::string& name, double time_s) const {
+  const Robot& robot = this->robot(name);
+  Pending acting = robot.in_effect;
+  for (const Pending& pending : robot.pending)
+    if (pending.time_s <= time_s) acting = pending;
+  const double timeout_s = robot.spec->drive.command_timeout_s;
+  return timeout_s > 0.0 && time_s >= acting.time_s + timeout_s ? Twist{} : acting.twist;
+}
+
+Eigen::Isometry3d World::camera_in_world(const Robot& robot, double offset_s) const {
+  if (!robot.spec->camera) throw std::out_of_range("'" + robot.spec->name + "' has no camera");
+  return world_from_base(state_near_now(robot, offset_s).pose) * base_from_camera(robot.spec->camera->mounting);
+}
+
+Eigen::Isometry3d World::true_cMo(const std::string& name) const {
+  const Robot& follower = robot(name);
+  return camera_in_world(follower, 0.0).inverse() * world_from_base(state_near_now(leader_of(follower), 0.0).pose);
+}
+
+RelativePose World::true_relative_pose(const std::string& name) const {
+  const Robot& follower = robot(name);
+  return relative_pose(world_from_base(state_near_now(follower, 0.0).pose).inverse() *
+                       world_from_base(state_near_now(leader_of(follower), 0.0).pose));
+}
+
+View World::view(const Robot& viewer, double offset_s) const {
+  const Eigen::Isometry3d cMw = camera_in_world(viewer, offset_s).inverse();
+  View view;
+  view.camera_heading_rad = state_near_now(viewer, offset_s).pose.heading_rad;
+  for (const auto& [name, robot] : robots_) {
+    if (&robot == &viewer || robot.surfaces.empty() || !robot.spec->visibility.visible_at(time_s_)) continue;
+    view.bodies.push_back({&robot.surfaces, cMw * world_from_base(state_near_now(robot, offset_s).pose)});
+  }
+  return view;
+}
+
+std::optional<Frame> World::capture(const std::string& name) const {
+  const Robot& viewer = robot(name);
+  if (!viewer.renderer) throw std::out_of_range("'" + name + "' has no camera");
+  const auto frame_seed = [&](const char* purpose) {
+    const std::uint64_t seed = seed_for(seed_for(static_cast<std::uint64_t>(scenario_.seed), purpose), name);
+    return seed_for(seed, static_cast<std::uint64_t>(frame_index()));
+  };
+  if (Random(frame_seed("drop")).uniform() < viewer.spec->camera->drop_probability) return std::nullopt;
+
+  const Imperfections& imperfections = viewer.renderer->imperfections();
+  const int samples = imperfections.exposure_time_s > 0.0 ? imperfections.exposure_samples : 1;
+  std::vector<View> instants;
+  instants.reserve(samples);
+  for (int i = 0; i < samples; ++i)
+    instants.push_back(view(viewer, imperfections.exposure_time_s * ((i + 0.5) / samples - 0.5)));
+  const CameraModel& camera = viewer.renderer->camera();
+  return Frame::from_pixels(utime(), camera.width, camera.height,
+                            viewer.renderer->render(instants, frame_seed("noise")));
+}
+
+}  // namespace pilotfish::sim
