@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+
+#include "pilotfish/coordinator/coordinator.hpp"
+#include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/fuzzy/rule_base.hpp"
+
+namespace pilotfish::config {
+
+/// ViSP's camera XML (vpXmlParserCamera) or OpenCV's calibration YAML (camera_matrix, distortion_coefficients,
+/// image_width, image_height), told apart by their content. Throws ConfigError.
+CameraModel load_calibration(const std::filesystem::path& file);
+
+/// The tags of a leader; see data/leaders/. Throws ConfigError.
+LeaderBody load_leader_body(const std::filesystem::path& file);
+
+/// Fuzzy sets and rules; see data/fuzzy/. Proved before it is returned. Throws ConfigError naming the variable, term or
+/// cell.
+fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
+
+/// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
+struct CoordinatorFile {
+  std::string name = "robot1";  ///< the robot's name on the bus
+  std::string source = "lcm";   ///< where frames come from, unless --source says otherwise
+  double frame_rate_hz = 30.0;  ///< expected of the source; 1/T of the law unless control_period_s says otherwise
+  CoordinatorConfig coordinator;
+};
+/// Throws ConfigError naming the key.
+CoordinatorFile load_coordinator(const std::filesystem::path& file);
+
+}  // namespace pilotfish::config

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+
+#include "pilotfish/sim/scenario.hpp"
+
+namespace pilotfish::config {
+
+/// A scenario for the simulator; see data/scenarios/ and docs. Files it names (calibration, leader,
+/// coordinator) are relative to it; the first two are read, the coordinator's is left to whoever starts one.
+/// Throws ConfigError.
+sim::Scenario load_scenario(const std::filesystem::path& file);
+
+}  // namespace pilotfish::config

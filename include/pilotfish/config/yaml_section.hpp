@@ -1,0 +1,89 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/parameter.hpp"
+
+namespace pilotfish::config {
+
+/// One mapping of a YAML file, read strictly: a missing required key, a key of the wrong type, a value out of range and
+/// a key nobody asked for are all ConfigError with the dotted key. Angles `x_rad` may be written `x_deg`.
+class YamlSection {
+ public:
+  /// Throws ConfigError (key "file") if it cannot be read or is not a mapping.
+  static YamlSection load(const std::filesystem::path& file);
+
+  YamlSection(const YAML::Node& node, std::string path, std::filesystem::path file);
+
+  /// An angle `x_rad` may stand there as `x_deg`: ask for has_angle("x_rad").
+  bool has(const std::string& key) const;
+  std::vector<std::string> keys() const;  ///< those there are, in the file's order, for mappings with names as keys
+  /// has(key), and key is known from now on: finish() lists it and does not complain about it.
+  bool optional(const std::string& key);
+  bool has_angle(const std::string& key_rad) const { return has(key_rad) || has(degrees_key(key_rad)); }
+  double number(const std::string& key, double min, double max);
+  double angle(const std::string& key_rad, double min_rad, double max_rad);  ///< key_rad ends in _rad; _deg accepted
+  int integer(const std::string& key, int min, int max);
+  bool boolean(const std::string& key);
+  std::string text(const std::string& key);
+  std::vector<double> numbers(const std::string& key);        ///< a list of numbers of any length; inf and NaN pass
+  std::filesystem::path file_path(const std::string& key);    ///< relative to the file this section was read from
+  std::vector<std::string> texts(const std::string& key);     ///< a list of texts of any length
+  YamlSection section(const std::string& key);                ///< a nested mapping
+  std::vector<YamlSection> sections(const std::string& key);  ///< a list of mappings
+
+  /// Every parameter of the table that is present; defaults stay for the others. Range-checked.
+  template <class Config>
+  void read(Config& config) {
+    for (const Parameter<Config>& parameter : Config::parameters()) {
+      const std::string key(parameter.key);
+      asked_.insert(key);  // so that finish() can list every key there is
+      if (!has_angle(key)) continue;
+      std::visit(
+          [&](auto member) {
+            using Value = std::decay_t<decltype(config.*member)>;
+            if constexpr (std::is_same_v<Value, double>) {
+              config.*member =
+                  is_angle(key) ? angle(key, parameter.min, parameter.max) : number(key, parameter.min, parameter.max);
+            } else if constexpr (std::is_same_v<Value, int>) {
+              config.*member = integer(key, static_cast<int>(parameter.min), static_cast<int>(parameter.max));
+            } else if constexpr (std::is_same_v<Value, bool>) {
+              config.*member = boolean(key);
+            } else if constexpr (std::is_same_v<Value, std::string>) {
+              config.*member = text(key);
+            } else {
+              config.*member = vector3(key, parameter.min, parameter.max);
+            }
+          },
+          parameter.member);
+    }
+  }
+
+  /// Call when done: throws ConfigError naming the first key that was never asked for, with the keys that exist.
+  void finish() const;
+
+  /// For errors that only the reader can see: ConfigError with this section's path before the key.
+  ConfigError error(const std::string& key, const std::string& problem) const;
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  static bool is_angle(const std::string& key);
+  static std::string degrees_key(const std::string& key);  ///< "x_rad" -> "x_deg"; empty if not an angle
+  std::array<double, 3> vector3(const std::string& key, double min, double max);
+  YAML::Node require(const std::string& key);
+  std::string dotted(const std::string& key) const;
+
+  YAML::Node node_;
+  std::string path_;
+  std::filesystem::path file_;
+  std::set<std::string> asked_;
+};
+
+}  // namespace pilotfish::config

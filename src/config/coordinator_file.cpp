@@ -1,0 +1,64 @@
+#include <algorithm>
+#include <cctype>
+
+#include "pilotfish/config/files.hpp"
+#include "pilotfish/config/yaml_section.hpp"
+
+namespace pilotfish::config {
+namespace {
+
+/// Reads section `key` into every struct given (they share the section's keys), if the section is there.
+template <class... Config>
+void read_section(YamlSection& parent, const std::string& key, Config&... configs) {
+  if (!parent.optional(key)) return;
+  YamlSection section = parent.section(key);
+  (section.read(configs), ...);
+  section.finish();
+}
+
+/// A channel is made of the robot's name, so it must be one word.
+void check_name(const YamlSection& root, const std::string& name) {
+  const auto is_word_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  if (name.empty() || name.size() > 32 || !std::all_of(name.begin(), name.end(), is_word_letter))
+    throw root.error("name", "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores");
+}
+
+void read_camera(YamlSection root, CoordinatorConfig& config) {
+  config.camera = load_calibration(root.file_path("calibration"));
+  read_section(root, "mounting", config.mounting);
+  root.finish();
+}
+
+void read_control(YamlSection root, control::FollowerConfig& config) {
+  read_section(root, "velocity", config.velocity);
+  read_section(root, "heading", config.heading);
+  read_section(root, "limits", config.limits);
+  root.finish();
+}
+
+}  // namespace
+
+CoordinatorFile load_coordinator(const std::filesystem::path& path) {
+  YamlSection root = YamlSection::load(path);
+  CoordinatorFile file;
+  CoordinatorConfig& config = file.coordinator;
+
+  file.name = root.text("name");
+  check_name(root, file.name);
+  if (root.optional("source")) file.source = root.text("source");
+  if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
+  if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);
+  config.control.velocity.control_period_s = 1.0 / file.frame_rate_hz;
+
+  read_camera(root.section("camera"), config);
+  config.leader = load_leader_body(root.file_path("leader"));
+  config.control.law = load_fuzzy_controller(root.file_path("fuzzy"));
+  read_section(root, "setpoint", config.setpoint);
+  read_section(root, "vision", config.vision.detector, config.vision.pose);
+  if (root.optional("control")) read_control(root.section("control"), config.control);
+  read_section(root, "safety", config.safety);
+  root.finish();
+  return file;
+}
+
+}  // namespace pilotfish::config

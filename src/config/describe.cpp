@@ -1,0 +1,80 @@
+#include "pilotfish/config/describe.hpp"
+
+#include <sstream>
+
+#include "pilotfish/coordinator/coordinator.hpp"
+
+namespace pilotfish::config {
+namespace {
+
+template <class Value>
+std::string shown(const Value& value) {
+  std::ostringstream out;
+  if constexpr (std::is_same_v<Value, bool>) {
+    out << (value ? "true" : "false");
+  } else if constexpr (std::is_same_v<Value, std::array<double, 3>>) {
+    out << "[" << value[0] << ", " << value[1] << ", " << value[2] << "]";
+  } else {
+    out << value;
+  }
+  return out.str();
+}
+
+template <class Value>
+std::string range(double min, double max) {
+  if constexpr (std::is_same_v<Value, bool>) return "true, false";
+  if constexpr (std::is_same_v<Value, std::string>) return "text";
+  return shown(min) + " to " + shown(max);
+}
+
+template <class Config>
+void describe(std::ostream& out) {
+  const Config defaults;
+  for (const Parameter<Config>& parameter : Config::parameters()) {
+    std::visit(
+        [&](auto member) {
+          using Value = std::decay_t<decltype(defaults.*member)>;
+          out << "| `" << parameter.key << "` | " << shown(defaults.*member) << " | "
+              << range<Value>(parameter.min, parameter.max) << " | " << parameter.text << " |\n";
+        },
+        parameter.member);
+  }
+}
+
+template <class... Config>
+void describe_section(std::ostream& out, const char* section) {
+  out << "\n## `" << section << "`\n\n| key | default | range | meaning |\n|---|---|---|---|\n";
+  (describe<Config>(out), ...);
+}
+
+}  // namespace
+
+std::string describe_config() {
+  std::ostringstream out;
+  out << "# Configuration of a coordinator\n\n"
+         "Made by `pilotfish-coordinator --describe-config` from the tables that read and check the file.\n"
+         "Unknown keys are errors. An angle `x_rad` may be written `x_deg`. Paths are relative to the file.\n\n"
+         "## Top level\n\n| key | default | meaning |\n|---|---|---|\n"
+         "| `name` | required | the robot's name on the bus: letters, digits, underscores |\n"
+         "| `source` | lcm | where frames come from: camera:N, video:FILE, images:DIR, lcm[:CHANNEL], log:FILE |\n"
+         "| `frame_rate_hz` | 30 | frames per second expected of the source, 1 to 1000 |\n"
+         "| `profile` | paper | the law that drives |\n"
+         "| `camera.calibration` | required | file: OpenCV's calibration YAML or ViSP's camera XML |\n"
+         "| `leader` | required | file: the tags the leader wears |\n"
+         "| `fuzzy` | required | file: fuzzy sets and rules |\n";
+  describe_section<CameraMounting>(out, "camera.mounting");
+  describe_section<Setpoint>(out, "setpoint");
+  describe_section<vision::TagDetectorConfig, vision::LeaderPoseConfig>(out, "vision");
+  describe_section<control::FuzzyVelocityConfig>(out, "control.velocity");
+  describe_section<control::HeadingControllerConfig>(out, "control.heading");
+  describe_section<control::LimitsConfig>(out, "control.limits");
+  describe_section<SafetyConfig>(out, "safety");
+  out << "\n# A leader's file\n\n"
+         "`name`, `family` (tag36h11, ...) and a list `tags`; `id`, `size_m`, `position_m` and `facing_deg` of each "
+         "are "
+         "required.\n";
+  describe_section<BodyTag>(out, "tags");
+  return out.str();
+}
+
+}  // namespace pilotfish::config

@@ -1,0 +1,185 @@
+#include "pilotfish/config/yaml_section.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace pilotfish::config {
+namespace {
+
+constexpr const char* kRadians = "_rad";
+
+template <class Value>
+Value as(const YAML::Node& node, const ConfigError& wrong_type) {
+  try {
+    return node.as<Value>();
+  } catch (const YAML::Exception&) {
+    throw wrong_type;
+  }
+}
+
+/// "x_deg" -> "x_rad": whoever asked for the one has asked for the other.
+std::string radians_key(const std::string& key) {
+  const bool in_degrees = key.size() > 4 && key.compare(key.size() - 4, 4, "_deg") == 0;
+  return in_degrees ? key.substr(0, key.size() - 3) + "rad" : std::string();
+}
+
+std::string shown(const YAML::Node& node) {
+  return node.IsScalar() ? "'" + node.Scalar() + "'" : (node.IsSequence() ? "a list" : "a mapping");
+}
+
+}  // namespace
+
+YamlSection YamlSection::load(const std::filesystem::path& file) {
+  try {
+    const YAML::Node root = YAML::LoadFile(file.string());
+    if (!root.IsMap()) throw ConfigError("file", file.string() + " is not a YAML mapping (key: value)");
+    return YamlSection(root, "", file);
+  } catch (const YAML::BadFile&) {
+    throw ConfigError("file", "cannot read " + file.string());
+  } catch (const YAML::Exception& problem) {
+    throw ConfigError("file", file.string() + " is not valid YAML: " + problem.what());
+  }
+}
+
+YamlSection::YamlSection(const YAML::Node& node, std::string path, std::filesystem::path file)
+    : node_(node), path_(std::move(path)), file_(std::move(file)) {}
+
+bool YamlSection::is_angle(const std::string& key) {
+  const std::string suffix = kRadians;
+  return key.size() > suffix.size() && key.compare(key.size() - suffix.size(), suffix.size(), suffix) == 0;
+}
+
+std::string YamlSection::degrees_key(const std::string& key) {
+  return is_angle(key) ? key.substr(0, key.size() - 3) + "deg" : std::string();
+}
+
+std::string YamlSection::dotted(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+
+ConfigError YamlSection::error(const std::string& key, const std::string& problem) const {
+  return {dotted(key), problem + " (in " + file_.string() + ")"};
+}
+
+bool YamlSection::has(const std::string& key) const { return !key.empty() && node_[key].IsDefined(); }
+
+bool YamlSection::optional(const std::string& key) {
+  asked_.insert(key);
+  return has(key);
+}
+
+std::vector<std::string> YamlSection::keys() const {
+  std::vector<std::string> result;
+  for (const auto& entry : node_) result.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)");
+  return result;
+}
+
+YAML::Node YamlSection::require(const std::string& key) {
+  asked_.insert(key);
+  if (!has(key)) throw error(key, "is missing");
+  return node_[key];
+}
+
+double YamlSection::number(const std::string& key, double min, double max) {
+  const YAML::Node node = require(key);
+  const auto value = as<double>(node, error(key, shown(node) + " is not a number"));
+  if (!std::isfinite(value) || value < min || value > max) {
+    std::ostringstream problem;
+    problem << value << " is outside [" << min << ", " << max << "]";
+    throw error(key, problem.str());
+  }
+  return value;
+}
+
+double YamlSection::angle(const std::string& key_rad, double min_rad, double max_rad) {
+  const std::string key_deg = degrees_key(key_rad);
+  if (has(key_rad) && has(key_deg)) throw error(key_deg, "is given in radians as well; keep one of the two");
+  if (has(key_deg)) return radians(number(key_deg, degrees(min_rad), degrees(max_rad)));
+  return number(key_rad, min_rad, max_rad);
+}
+
+int YamlSection::integer(const std::string& key, int min, int max) {
+  const YAML::Node node = require(key);
+  const auto value = as<int>(node, error(key, shown(node) + " is not a whole number"));
+  if (value < min || value > max)
+    throw error(key, std::to_string(value) + " is outside [" + std::to_string(min) + ", " + std::to_string(max) + "]");
+  return value;
+}
+
+bool YamlSection::boolean(const std::string& key) {
+  const YAML::Node node = require(key);
+  return as<bool>(node, error(key, shown(node) + " is not true or false"));
+}
+
+std::string YamlSection::text(const std::string& key) {
+  const YAML::Node node = require(key);
+  if (!node.IsScalar()) throw error(key, shown(node) + " is not a text");
+  return node.Scalar();
+}
+
+std::vector<double> YamlSection::numbers(const std::string& key) {
+  const YAML::Node node = require(key);
+  if (!node.IsSequence()) throw error(key, shown(node) + " is not a list of numbers");
+  std::vector<double> values;
+  for (const YAML::Node& element : node)
+    values.push_back(as<double>(element, error(key, shown(element) + " is not a number")));
+  return values;
+}
+
+std::vector<std::string> YamlSection::texts(const std::string& key) {
+  const YAML::Node node = require(key);
+  if (!node.IsSequence()) throw error(key, shown(node) + " is not a list");
+  std::vector<std::string> values;
+  for (const YAML::Node& element : node) {
+    if (!element.IsScalar()) throw error(key, shown(element) + " is not a text");
+    values.push_back(element.Scalar());
+  }
+  return values;
+}
+
+std::filesystem::path YamlSection::file_path(const std::string& key) {
+  const std::filesystem::path path = text(key);
+  return path.is_absolute() ? path : file_.parent_path() / path;
+}
+
+YamlSection YamlSection::section(const std::string& key) {
+  const YAML::Node node = require(key);
+  if (!node.IsMap()) throw error(key, shown(node) + " is not a mapping (key: value)");
+  return {node, dotted(key), file_};
+}
+
+std::vector<YamlSection> YamlSection::sections(const std::string& key) {
+  const YAML::Node node = require(key);
+  if (!node.IsSequence()) throw error(key, shown(node) + " is not a list");
+  std::vector<YamlSection> result;
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    const std::string element = key + "[" + std::to_string(i) + "]";
+    if (!node[i].IsMap()) throw error(element, shown(node[i]) + " is not a mapping (key: value)");
+    result.emplace_back(node[i], dotted(element), file_);
+  }
+  return result;
+}
+
+std::array<double, 3> YamlSection::vector3(const std::string& key, double min, double max) {
+  const std::vector<double> values = numbers(key);
+  if (values.size() != 3) throw error(key, "needs three numbers, got " + std::to_string(values.size()));
+  for (double value : values) {
+    if (std::isfinite(value) && value >= min && value <= max) continue;
+    std::ostringstream problem;
+    problem << value << " is outside [" << min << ", " << max << "]";
+    throw error(key, problem.str());
+  }
+  return {values[0], values[1], values[2]};
+}
+
+void YamlSection::finish() const {
+  std::set<std::string> seen;
+  for (const auto& entry : node_) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a text)";
+    if (!seen.insert(key).second) throw error(key, "is given twice");
+    if (asked_.count(key) != 0 || asked_.count(radians_key(key)) != 0) continue;
+    std::string known;
+    for (const std::string& asked : asked_) known += (known.empty() ? "" : ", ") + asked;
+    throw error(key, "is not a known key here; known: " + known);
+  }
+}
+
+}  // namespace pilotfish::config
