@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "pilotfish/bus/reports.hpp"
+#include "pilotfish/core/frame.hpp"
+
+namespace pilotfish::bus {
+
+/// Default: this host alone (ttl=0), with the largest receive buffer a stock kernel may grant.
+inline constexpr const char* kDefaultUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";
+
+/// The bus cannot be opened. The message says what to do (e.g. which `ip route` command).
+class BusError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Channel of a robot: "robot1", "COMMAND" -> "ROBOT1_COMMAND". Throws ConfigError unless that is 1 to 63 letters,
+/// digits, '_', '-' or '/' (liblcm reads a name as a regular expression).
+std::string channel(const std::string& robot, const std::string& what);
+
+/// LCM, checked at this edge: what comes in has been decoded, its sizes, formats and numbers checked, or it
+/// has been counted in rejected() and dropped. Nothing else in Pilotfish includes an LCM header. One thread per Bus.
+class Bus {
+ public:
+  /// Empty URL: $LCM_DEFAULT_URL, else kDefaultUrl. Any LCM provider works ("memq://" stays inside this Bus).
+  /// Throws BusError within half a second if the network does not bring multicast back to this host.
+  explicit Bus(const std::string& url = "");
+  ~Bus();
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  const std::string& url() const;
+  /// What the kernel granted, read back [bytes]; 0 if the provider has no socket. Decides whether images travel raw.
+  int receive_buffer_bytes() const;
+
+  /// Published numbers are always finite: what is not is replaced (a command by zeros) and counted in
+  /// rejected(). Only names and setpoints that cannot be right throw (ConfigError).
+  void publish(const std::string& robot, const CommandReport& report);
+  void publish(const std::string& robot, const ObservationReport& report);
+  void publish(const std::string& robot, const StatusReport& report);
+  void publish(const std::string& robot, const PoseReport& report);
+  void publish(const std::string& robot, const Setpoint& setpoint, std::int64_t utime);
+  /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
+  void publish_image(const std::string& channel, const Frame& frame);
+
+  void on_image(const std::string& channel, std::function<void(Frame)> handler);
+  void on_setpoint(const std::string& robot, std::function<void(Setpoint)> handler);
+  void on_command(const std::string& robot, std::function<void(CommandReport)> handler);
+
+  /// Waits up to timeout_ms for a message, then handles all that have come. Returns how many. A signal ends
+  /// the wait. If a handler throws, the messages behind it wait for the next call, and the exception comes
+  /// out here. A queue holds 30 messages of a channel and then drops the NEW ones: call often, handle all,
+  /// use the newest.
+  int handle(int timeout_ms);
+
+  /// Messages dropped at this edge, by kind: "image_corrupt", "setpoint_out_of_bounds", ... Names have at
+  /// most 24 letters, so that they fit into a StatusReport.
+  const std::map<std::string, std::int64_t>& rejected() const;
+
+ private:
+  struct Connection;
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace pilotfish::bus

@@ -1,0 +1,136 @@
+#include "pilotfish/bus/bus.hpp"
+
+#include <pybind11/functional.h>
+
+#include "arrays.hpp"
+#include "pilotfish/bus/log_reader.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish;
+using namespace pilotfish::bus;
+
+namespace {
+
+void bind_reports(py::module_& m) {
+  py::class_<CommandReport>(m, "CommandReport", "What goes out as pilotfish.command_t.")
+      .def(py::init([](std::int64_t utime, std::int64_t counter, const Twist& command, Status status, Reason reason) {
+             return CommandReport{utime, counter, command, status, reason};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("counter") = 0, py::arg("command") = Twist{},
+           py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
+           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"))
+      .def_readwrite("utime", &CommandReport::utime)
+      .def_readwrite("counter", &CommandReport::counter)
+      .def_readwrite("command", &CommandReport::command)
+      .def_readwrite("status", &CommandReport::status)
+      .def_readwrite("reason", &CommandReport::reason);
+
+  py::class_<ObservationReport>(m, "ObservationReport", "What goes out as pilotfish.observation_t.")
+      .def(py::init(
+               [](std::int64_t utime, const std::optional<Observation>& observation, Reason reason, double latency_s) {
+                 return ObservationReport{utime, observation, reason, latency_s};
+               }),
+           py::kw_only(), py::arg("utime"), py::arg("observation") = py::none(),
+           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"), py::arg("latency_s") = 0.0)
+      .def_readwrite("utime", &ObservationReport::utime)
+      .def_readwrite("observation", &ObservationReport::observation)
+      .def_readwrite("reason", &ObservationReport::reason)
+      .def_readwrite("latency_s", &ObservationReport::latency_s);
+
+  py::class_<StatusReport>(m, "StatusReport", "What goes out as pilotfish.status_t.")
+      .def(py::init([](std::int64_t utime, Status status, Reason reason, double error_m, double error_change_m,
+                       double output, const std::array<double, kStatusRules>& strengths, const Setpoint& setpoint,
+                       double frame_rate_hz, double processing_ms, std::map<std::string, std::int64_t> rejected) {
+             return StatusReport{utime,     status,   reason,        error_m,       error_change_m,     output,
+                                 strengths, setpoint, frame_rate_hz, processing_ms, std::move(rejected)};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
+           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"), py::arg("error_m") = 0.0,
+           py::arg("error_change_m") = 0.0, py::arg("output") = 0.0,
+           py::arg("strengths") = std::array<double, kStatusRules>{},
+           py::arg_v("setpoint", Setpoint{}, "pilotfish.core.Setpoint()"), py::arg("frame_rate_hz") = 0.0,
+           py::arg("processing_ms") = 0.0, py::arg("rejected") = std::map<std::string, std::int64_t>{})
+      .def_readwrite("utime", &StatusReport::utime)
+      .def_readwrite("status", &StatusReport::status)
+      .def_readwrite("reason", &StatusReport::reason)
+      .def_readwrite("error_m", &StatusReport::error_m)
+      .def_readwrite("error_change_m", &StatusReport::error_change_m)
+      .def_readwrite("output", &StatusReport::output)
+      .def_readwrite("strengths", &StatusReport::strengths)
+      .def_readwrite("setpoint", &StatusReport::setpoint)
+      .def_readwrite("frame_rate_hz", &StatusReport::frame_rate_hz)
+      .def_readwrite("processing_ms", &StatusReport::processing_ms)
+      .def_readwrite("rejected", &StatusReport::rejected);
+
+  py::class_<PoseReport>(m, "PoseReport", "What goes out as bot_core.pose_t.")
+      .def(py::init([](std::int64_t utime, double x_m, double y_m, double heading_rad, const Twist& velocity) {
+             return PoseReport{utime, x_m, y_m, heading_rad, velocity};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("x_m"), py::arg("y_m"), py::arg("heading_rad"),
+           py::arg("velocity") = Twist{})
+      .def_readwrite("utime", &PoseReport::utime)
+      .def_readwrite("x_m", &PoseReport::x_m)
+      .def_readwrite("y_m", &PoseReport::y_m)
+      .def_readwrite("heading_rad", &PoseReport::heading_rad)
+      .def_readwrite("velocity", &PoseReport::velocity);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(bus, m) {
+  m.doc() = "LCM in and out, checked at this edge.";
+  py::module_::import("pilotfish.core");
+
+  py::register_exception<BusError>(m, "BusError", PyExc_OSError);
+  m.attr("DEFAULT_URL") = kDefaultUrl;
+  m.def("channel", &channel, "Channel of a robot: ('robot1', 'COMMAND') -> 'ROBOT1_COMMAND'.", py::arg("robot"),
+        py::arg("what"));
+  bind_reports(m);
+
+  using Release = py::call_guard<py::gil_scoped_release>;
+  py::class_<Bus>(m, "Bus", "A connection to the LCM network: what comes in is checked, or counted in `rejected`.")
+      .def(py::init<const std::string&>(), py::arg("url") = "", Release(),
+           "url: empty for $LCM_DEFAULT_URL, else DEFAULT_URL. Raises BusError saying what to do.")
+      .def_property_readonly("url", &Bus::url)
+      .def_property_readonly("receive_buffer_bytes", &Bus::receive_buffer_bytes,
+                             "What the kernel grants; 0 if the provider has no socket")
+      .def_property_readonly("rejected", &Bus::rejected, "dict: messages dropped, by kind")
+      .def("publish_command", py::overload_cast<const std::string&, const CommandReport&>(&Bus::publish),
+           py::arg("robot"), py::arg("report"), Release())
+      .def("publish_observation", py::overload_cast<const std::string&, const ObservationReport&>(&Bus::publish),
+           py::arg("robot"), py::arg("report"), Release())
+      .def("publish_status", py::overload_cast<const std::string&, const StatusReport&>(&Bus::publish),
+           py::arg("robot"), py::arg("report"), Release())
+      .def("publish_pose", py::overload_cast<const std::string&, const PoseReport&>(&Bus::publish), py::arg("robot"),
+           py::arg("report"), Release())
+      .def("publish_setpoint", py::overload_cast<const std::string&, const Setpoint&, std::int64_t>(&Bus::publish),
+           py::arg("robot"), py::arg("setpoint"), py::kw_only(), py::arg("utime"), Release(),
+           "Raises ValueError if the setpoint is out of bounds.")
+      .def("publish_image", &Bus::publish_image, py::arg("channel"), py::arg("frame"), Release(),
+           "Raw if four of them fit into the receive buffer, else as JPEG of quality 95.")
+      .def("on_image", &Bus::on_image, py::arg("channel"), py::arg("handler"), Release(), "handler(frame)")
+      .def("on_setpoint", &Bus::on_setpoint, py::arg("robot"), py::arg("handler"), Release(), "handler(setpoint)")
+      .def("on_command", &Bus::on_command, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
+      .def("handle", &Bus::handle, py::arg("timeout_ms"), Release(),
+           "Waits up to timeout_ms, then calls the handlers for all messages that have come; returns how "
+           "many. A "
+           "handler's exception comes out here.");
+
+  py::class_<LogReader>(m, "LogReader",
+                        "The images of one channel in a file written by lcm-logger; iterate, or next().")
+      .def(py::init<const std::string&, const std::string&>(), py::arg("path"), py::kw_only(), py::arg("channel"),
+           Release())
+      .def("next", &LogReader::next, Release(), "The next Frame (0 x 0 if corrupt), None at the end.")
+      .def("__len__", &LogReader::size)
+      .def_property_readonly("damaged", &LogReader::damaged, "damaged places in the file that were skipped")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", [](LogReader& reader) {
+        std::optional<Frame> frame;
+        {
+          const py::gil_scoped_release release;
+          frame = reader.next();
+        }
+        if (!frame) throw py::stop_iteration();
+        return *frame;
+      });
+}

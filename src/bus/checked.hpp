@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace pilotfish::bus {
+
+/// What came off the wire: a value that passed every check, or the name of the check that it failed (as
+/// counted in Bus::rejected()).
+template <class Value>
+struct Checked {
+  std::optional<Value> value;
+  std::string_view rejection;
+
+  static Checked accept(Value value) { return {std::move(value), {}}; }
+  static Checked reject(std::string_view rejection) { return {std::nullopt, rejection}; }
+};
+
+}  // namespace pilotfish::bus

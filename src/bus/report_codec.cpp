@@ -1,0 +1,215 @@
+#include "report_codec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "wire_reader.hpp"
+
+namespace pilotfish::bus {
+namespace {
+
+static_assert(static_cast<int>(Status::searching) == command_t::STATUS_SEARCHING);
+static_assert(static_cast<int>(Status::tracking) == command_t::STATUS_TRACKING);
+static_assert(static_cast<int>(Status::coasting) == command_t::STATUS_COASTING);
+static_assert(static_cast<int>(Status::lost) == command_t::STATUS_LOST);
+static_assert(static_cast<int>(Status::stopped) == command_t::STATUS_STOPPED);
+static_assert(static_cast<int>(Status::invalid_input) == command_t::STATUS_INVALID_INPUT);
+constexpr int kLastReason = static_cast<int>(Reason::law_not_finite);
+
+std::string words(Status status, Reason reason) {
+  std::string text(to_string(status));
+  if (reason != Reason::none) text.append(": ").append(to_string(reason));
+  return text;
+}
+
+/// Finite also as the float it becomes on the wire.
+bool fits_float(double value) { return std::isfinite(static_cast<float>(value)); }
+
+bool all_finite(const TagSighting& tag) {
+  return fits_float(tag.decision_margin) &&
+         std::all_of(tag.corners_px.begin(), tag.corners_px.end(),
+                     [](const Eigen::Vector2d& corner) { return fits_float(corner.x()) && fits_float(corner.y()); });
+}
+
+bool all_finite(const Observation& observation) {
+  for (double value : {observation.distance_m, observation.bearing_rad, observation.heading_rad,
+                       observation.reprojection_error_px, observation.ambiguity_ratio, observation.min_decision_margin})
+    if (!std::isfinite(value)) return false;
+  return observation.covariance.allFinite() && observation.cMo.matrix().allFinite() &&
+         std::all_of(observation.tags.begin(), observation.tags.end(),
+                     [](const TagSighting& tag) { return all_finite(tag); });
+}
+
+/// Hands finite numbers through and turns others into zeros, remembering that it had to.
+struct FiniteOrZero {
+  bool repaired = false;
+  double operator()(double value) {
+    if (std::isfinite(value)) return value;
+    repaired = true;
+    return 0.0;
+  }
+};
+
+tag_sighting_t encode(const TagSighting& tag) {
+  tag_sighting_t message{};
+  message.id = tag.id;
+  message.hamming = static_cast<std::int8_t>(tag.hamming);
+  message.decision_margin = static_cast<float>(tag.decision_margin);
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 2; ++k) message.corners_px[i][k] = static_cast<float>(tag.corners_px[i][k]);
+  return message;
+}
+
+std::vector<counter_t> encode(const std::map<std::string, std::int64_t>& counters) {
+  const std::size_t named = counters.size() <= kMaxCounters ? counters.size() : kMaxCounters - 1;
+  std::vector<counter_t> messages;
+  std::int64_t others = 0;
+  for (const auto& [name, count] : counters) {
+    if (messages.size() < named) {
+      messages.push_back({name.substr(0, kMaxCounterName), count});
+    } else {
+      others += count;
+    }
+  }
+  if (named < counters.size()) messages.push_back({"others", others});
+  return messages;
+}
+
+template <class Message>
+bool decode_whole(Message& message, const void* data, std::size_t size_bytes) {
+  return size_bytes <= std::numeric_limits<std::int32_t>::max() &&
+         message.decode(data, 0, static_cast<int>(size_bytes)) == static_cast<int>(size_bytes);
+}
+
+bool is_sound_command(const void* data, std::size_t size_bytes) {
+  WireReader reader(data, size_bytes);
+  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 2 * 8 + 2 * 8 + 2;
+  return reader.skip(kBeforeText) && reader.skip_string() && reader.at_end();
+}
+
+}  // namespace
+
+command_t encode(const CommandReport& report, std::string_view& repaired) {
+  const bool finite = is_finite(report.command);
+  if (!finite) repaired = "command_not_finite";
+  const Reason reason = finite ? report.reason : Reason::law_not_finite;
+  command_t message;
+  message.utime = report.utime;
+  message.counter = report.counter;
+  message.linear_mps = finite ? report.command.linear_mps : 0.0;
+  message.angular_radps = finite ? report.command.angular_radps : 0.0;
+  message.status = static_cast<std::int8_t>(report.status);
+  message.reason = static_cast<std::int8_t>(reason);
+  message.text = words(report.status, reason);
+  return message;
+}
+
+observation_t encode(const ObservationReport& report, std::string_view& repaired) {
+  observation_t message{};
+  message.utime = report.utime;
+  message.reason = static_cast<std::int8_t>(report.reason);
+  message.text = to_string(report.reason);
+  message.latency_s = std::isfinite(report.latency_s) ? report.latency_s : 0.0;
+  message.detected = report.observation && all_finite(*report.observation);
+  if ((report.observation && !message.detected) || !std::isfinite(report.latency_s))
+    repaired = "observation_not_finite";
+  if (!message.detected) return message;
+
+  const Observation& observation = *report.observation;
+  message.distance_m = observation.distance_m;
+  message.bearing_rad = observation.bearing_rad;
+  message.heading_rad = observation.heading_rad;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) message.covariance[row][column] = observation.covariance(row, column);
+    for (int column = 0; column < 4; ++column)
+      message.camera_from_leader[row][column] = observation.cMo.matrix()(row, column);
+  }
+  message.reprojection_error_px = observation.reprojection_error_px;
+  message.ambiguity_ratio = observation.ambiguity_ratio;
+  message.min_decision_margin = observation.min_decision_margin;
+  const std::size_t count = std::min(observation.tags.size(), kMaxTags);
+  for (std::size_t i = 0; i < count; ++i) message.tags.push_back(encode(observation.tags[i]));
+  message.tag_count = static_cast<std::int32_t>(count);
+  return message;
+}
+
+status_t encode(const StatusReport& report, std::string_view& repaired) {
+  FiniteOrZero finite;
+  status_t message{};
+  message.utime = report.utime;
+  message.status = static_cast<std::int8_t>(report.status);
+  message.reason = static_cast<std::int8_t>(report.reason);
+  message.text = words(report.status, report.reason);
+  message.error_m = finite(report.error_m);
+  message.error_change_m = finite(report.error_change_m);
+  message.output = finite(report.output);
+  for (std::size_t i = 0; i < kStatusRules; ++i) message.strengths[i] = finite(report.strengths[i]);
+  message.setpoint_distance_m = finite(report.setpoint.distance_m);
+  message.setpoint_bearing_rad = finite(report.setpoint.bearing_rad);
+  message.setpoint_run = report.setpoint.run;
+  message.frame_rate_hz = finite(report.frame_rate_hz);
+  message.processing_ms = finite(report.processing_ms);
+  message.rejected = encode(report.rejected);
+  message.rejected_count = static_cast<std::int32_t>(message.rejected.size());
+  if (finite.repaired) repaired = "status_not_finite";
+  return message;
+}
+
+bot_core::pose_t encode(const PoseReport& report, std::string_view& repaired) {
+  FiniteOrZero finite;
+  const double heading_rad = finite(report.heading_rad), speed_mps = finite(report.velocity.linear_mps);
+  bot_core::pose_t message{};
+  message.utime = report.utime;
+  message.pos[0] = finite(report.x_m);
+  message.pos[1] = finite(report.y_m);
+  message.vel[0] = speed_mps * std::cos(heading_rad);
+  message.vel[1] = speed_mps * std::sin(heading_rad);
+  // A turn by the heading about z, as a quaternion: w = cos(h/2), z = sin(h/2).
+  message.orientation[0] = std::cos(heading_rad / 2.0);
+  message.orientation[3] = std::sin(heading_rad / 2.0);
+  message.rotation_rate[2] = finite(report.velocity.angular_radps);
+  if (finite.repaired) repaired = "pose_not_finite";
+  return message;
+}
+
+setpoint_t encode(const Setpoint& setpoint, std::int64_t utime) {
+  setpoint_t message;
+  message.utime = utime;
+  message.distance_m = setpoint.distance_m;
+  message.bearing_rad = setpoint.bearing_rad;
+  message.run = setpoint.run;
+  return message;
+}
+
+Checked<Setpoint> decode_setpoint(const void* data, std::size_t size_bytes) {
+  using Result = Checked<Setpoint>;
+  setpoint_t message;
+  if (!decode_whole(message, data, size_bytes)) return Result::reject("setpoint_corrupt");
+  const Setpoint setpoint{message.distance_m, message.bearing_rad, message.run != 0};
+  if (!std::isfinite(setpoint.distance_m) || !std::isfinite(setpoint.bearing_rad))
+    return Result::reject("setpoint_not_finite");
+  try {
+    check_ranges(setpoint, "setpoint");
+  } catch (const ConfigError&) {
+    return Result::reject("setpoint_out_of_bounds");
+  }
+  return Result::accept(setpoint);
+}
+
+Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes) {
+  using Result = Checked<CommandReport>;
+  command_t message;
+  if (!is_sound_command(data, size_bytes) || !decode_whole(message, data, size_bytes))
+    return Result::reject("command_corrupt");
+  const Twist twist{message.linear_mps, message.angular_radps};
+  if (!is_finite(twist)) return Result::reject("command_not_finite");
+  if (std::abs(twist.linear_mps) > kMaxLinearMps || std::abs(twist.angular_radps) > kMaxAngularRadps ||
+      message.status < 0 || message.status > command_t::STATUS_INVALID_INPUT || message.reason < 0 ||
+      message.reason > kLastReason)
+    return Result::reject("command_out_of_bounds");
+  return Result::accept({message.utime, message.counter, twist, static_cast<Status>(message.status),
+                         static_cast<Reason>(message.reason)});
+}
+
+}  // namespace pilotfish::bus

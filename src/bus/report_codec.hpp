@@ -1,0 +1,40 @@
+#pragma once
+
+#include <bot_core/pose_t.hpp>
+#include <cstddef>
+#include <pilotfish/command_t.hpp>
+#include <pilotfish/observation_t.hpp>
+#include <pilotfish/setpoint_t.hpp>
+#include <pilotfish/status_t.hpp>
+
+#include "checked.hpp"
+#include "pilotfish/bus/reports.hpp"
+
+namespace pilotfish::bus {
+
+// Reports to messages. What goes out is finite: each of these says in `repaired` (left empty if there was no
+// need) what it had to replace, so that a bug upstream is counted and never reaches a motor.
+
+/// Zeros with Reason::law_not_finite instead of a velocity that is not finite.
+command_t encode(const CommandReport& report, std::string_view& repaired);
+/// "Not detected" instead of an observation with a number that is not finite; the first 12 tags.
+observation_t encode(const ObservationReport& report, std::string_view& repaired);
+/// Zeros for numbers that are not finite; counters beyond 16 are added up in one called "others".
+status_t encode(const StatusReport& report, std::string_view& repaired);
+/// Zeros for numbers that are not finite.
+bot_core::pose_t encode(const PoseReport& report, std::string_view& repaired);
+setpoint_t encode(const Setpoint& setpoint, std::int64_t utime);
+
+/// Rejections: setpoint_corrupt, setpoint_not_finite, setpoint_out_of_bounds.
+Checked<Setpoint> decode_setpoint(const void* data, std::size_t size_bytes);
+/// Rejections: command_corrupt, command_not_finite, command_out_of_bounds (velocities no robot of ours has,
+/// or a status or reason that we do not know).
+Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes);
+
+inline constexpr double kMaxLinearMps = 10.0;
+inline constexpr double kMaxAngularRadps = 50.0;
+inline constexpr std::size_t kMaxTags = 12;
+inline constexpr std::size_t kMaxCounters = 16;
+inline constexpr std::size_t kMaxCounterName = 24;
+
+}  // namespace pilotfish::bus

@@ -1,0 +1,182 @@
+"""pilotfish-spy on a virtual screen, with every type of message on the bus."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image, ImageGrab
+
+from pilotfish import bus, core
+from pilotfish.harness.child import Child
+from pilotfish.harness.executables import find_executable
+from pilotfish.harness.ports import private_lcm_url
+
+LAUNCHER = find_executable("pilotfish-spy")
+PATIENCE_S = 60.0  # a cold Java on a busy machine
+ROW_PX = 16  # of its table of channels
+FIELD_BACKGROUND = (230, 230, 255)  # lcm-spy paints it behind decoded fields, and nowhere else
+
+
+def run(*arguments, **environment):
+    return subprocess.run(
+        ["sh", LAUNCHER, *arguments],
+        env={"PATH": os.environ["PATH"], **environment},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+
+
+def test_help_names_the_options_and_needs_neither_screen_nor_java(tmp_path):
+    shown = run("--help")
+    assert shown.returncode == 0
+    assert "--lcm-url" in shown.stdout
+    assert "PILOTFISH_LCMTYPES_JAR" in shown.stdout
+
+
+@pytest.mark.parametrize("arguments", [["--nonsense"], ["--lcm-url"], ["-l"]])
+def test_wrong_arguments_are_a_usage_error(arguments):
+    refused = run(*arguments)
+    assert refused.returncode == 64
+    assert arguments[0] in refused.stderr
+
+
+@pytest.fixture
+def only_tools(tmp_path):
+    """A PATH with what the launcher needs, but without Java."""
+    for tool in ["sh", "cat", "dirname", "readlink"]:
+        (tmp_path / tool).symlink_to(shutil.which(tool))
+    return tmp_path
+
+
+def test_without_java_it_says_which_package_to_install(only_tools):
+    refused = run(PATH=str(only_tools), DISPLAY=":0")
+    assert refused.returncode == 69
+    assert "there is no Java; on Debian and Ubuntu: apt-get install default-jre" in refused.stderr
+
+
+def test_with_a_java_without_windows_it_says_which_package_to_install(tmp_path, only_tools):
+    home = tmp_path / "jvm"
+    (home / "lib/server").mkdir(parents=True)
+    (home / "bin").mkdir()
+    (home / "bin/java").write_text("#!/bin/sh\n")
+    (home / "bin/java").chmod(0o755)
+    refused = run(PATH=f"{home / 'bin'}:{only_tools}", DISPLAY=":0")
+    assert refused.returncode == 69
+    assert "has no windows" in refused.stderr
+    assert "apt-get install default-jre" in refused.stderr
+
+
+@pytest.fixture
+def lcm_spy():
+    """Skips unless everything is there that lcm-spy itself needs."""
+    needed = {"java": "default-jre", "Xvfb": "xvfb", "xdotool": "xdotool"}
+    for program, package in needed.items():
+        if not shutil.which(program):
+            pytest.skip(f"no {program} (package {package})")
+    for jar, package in {"lcm.jar": "liblcm-java", "jchart2d.jar": "libjchart2d-java"}.items():
+        if not Path("/usr/share/java", jar).exists():
+            pytest.skip(f"no {jar} (package {package})")
+
+
+@pytest.mark.usefixtures("lcm_spy")
+def test_without_a_screen_it_says_so():
+    refused = run()
+    assert refused.returncode == 69
+    assert "there is no screen (DISPLAY is not set)" in refused.stderr
+
+
+@pytest.mark.usefixtures("lcm_spy")
+def test_a_jar_that_is_not_there_is_refused():
+    refused = run(DISPLAY=":0", PILOTFISH_LCMTYPES_JAR="/nowhere/types.jar")
+    assert refused.returncode == 69
+    assert "PILOTFISH_LCMTYPES_JAR=/nowhere/types.jar: there is no such file" in refused.stderr
+
+
+@pytest.fixture
+def screen(tmp_path, lcm_spy):
+    """A virtual screen: its DISPLAY."""
+    read, write = os.pipe()
+    os.set_inheritable(write, True)
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1024x768x24", "-nolisten", "tcp"]
+    server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
+    os.close(write)
+    with os.fdopen(read) as answer:
+        number = answer.readline().strip()  # comes when the screen is ready; nothing if Xvfb ends
+    try:
+        assert number, "Xvfb did not start"
+        yield f":{number}"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+class Traffic:
+    """One message of every type that Pilotfish knows, again and again."""
+
+    def __init__(self, url):
+        self.bus = bus.Bus(url)
+        self.sent = 0
+
+    def publish(self):
+        self.sent += 1
+        utime = self.sent
+        image = core.Frame(np.full((48, 64), 100, np.uint8), utime=utime)
+        tag = core.TagSighting(id=3, corners_px=np.ones((4, 2)))
+        seen = core.Observation(utime=utime, distance_m=1.1, tags=[tag])
+        pose = bus.PoseReport(utime=utime, x_m=1.0, y_m=2.0, heading_rad=0.3)
+        self.bus.publish_image("ROBOT1_IMAGE", image)
+        self.bus.publish_observation("robot1", bus.ObservationReport(utime=utime, observation=seen))
+        self.bus.publish_command("robot1", bus.CommandReport(utime=utime, counter=utime))
+        self.bus.publish_status("robot1", bus.StatusReport(utime=utime, rejected={"image_corrupt": 2}))
+        self.bus.publish_setpoint("robot1", core.Setpoint(distance_m=1.1), utime=utime)
+        self.bus.publish_pose("robot1", pose)
+
+
+CHANNELS = ["COMMAND", "IMAGE", "OBSERVATION", "POSE", "SETPOINT", "STATUS"]  # as the table sorts them
+TYPES = {"bot_core": 3, "pilotfish": 6}
+
+
+def test_every_channel_shows_its_decoded_fields(tmp_path, screen, monkeypatch):
+    url = private_lcm_url()
+    traffic = Traffic(url)
+    monkeypatch.setenv("DISPLAY", screen)
+
+    def xdotool(*words):
+        done = subprocess.run(["xdotool", *map(str, words)], capture_output=True, text=True, check=False)
+        return done.stdout.split()
+
+    def screenshot():
+        traffic.publish()
+        return np.asarray(ImageGrab.grab(xdisplay=screen).convert("RGB"))
+
+    def rows():
+        """Lines of the table of channels with letters in them; the first is below its head."""
+        lines = [screenshot()[20 + ROW_PX * k : 20 + ROW_PX * (k + 1), :100] for k in range(20)]
+        return sum(bool((line.sum(axis=2) < 200).sum() > 40) for line in lines)
+
+    def field_pixels():
+        return int((screenshot() == FIELD_BACKGROUND).all(axis=2).sum())
+
+    with Child(["sh", LAUNCHER, "--lcm-url", url], tmp_path, "spy") as spy:
+        spy.wait_until(lambda: xdotool("search", "--name", "^LCM Spy$"), PATIENCE_S, "showing its window")
+        (table,) = xdotool("search", "--name", "^LCM Spy$")
+        spy.wait_until(lambda: rows() == len(CHANNELS), PATIENCE_S, "listing all channels")
+        assert f"Found {sum(TYPES.values())} LCM types" in spy.stdout_file.read_text()
+
+        for row, channel in enumerate(CHANNELS):
+            assert field_pixels() == 0
+            y = 20 + ROW_PX * row + ROW_PX // 2
+            xdotool("mousemove", "--window", table, 60, y, "click", "--repeat", 2, "--delay", 60, 1)
+            title = f"^ROBOT1_{channel}$"
+            spy.wait_until(lambda title=title: xdotool("search", "--onlyvisible", "--name", title), PATIENCE_S, title)
+            # A type that lcm-spy does not know has an empty window; ours show their fields, however many.
+            spy.wait_until(lambda: field_pixels() > 5000, PATIENCE_S, f"showing the fields of {channel}")
+            Image.fromarray(screenshot()).save(tmp_path / f"{channel}.png")
+            (viewer,) = xdotool("search", "--onlyvisible", "--name", title)
+            xdotool("windowunmap", viewer)
+            spy.wait_until(lambda: field_pixels() == 0, PATIENCE_S, f"putting {channel} away")
