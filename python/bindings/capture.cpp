@@ -1,0 +1,40 @@
+#include "arrays.hpp"
+#include "pilotfish/capture/frame_source.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish;
+using namespace pilotfish::capture;
+
+PYBIND11_MODULE(capture, m) {
+  m.doc() = "Camera, video file, image folder: sources of frames.";
+  py::module_::import("pilotfish.core");
+
+  py::register_exception<CaptureError>(m, "CaptureError", PyExc_OSError);
+
+  py::class_<FrameSource>(m, "FrameSource", "Pictures, one after the other; iterate, or call next().")
+      .def("next", &FrameSource::next, py::call_guard<py::gil_scoped_release>(),
+           "The next Frame (0 x 0 if the picture cannot be decoded), None at the end. Blocks until there is "
+           "one.")
+      .def_property_readonly("live", &FrameSource::live, "True if frames come whether or not anyone asks")
+      .def("describe", &FrameSource::describe, "One line for the log")
+      .def("__iter__", [](py::object self) { return self; })
+      .def("__next__", [](FrameSource& source) {
+        std::optional<Frame> frame;
+        {
+          const py::gil_scoped_release release;
+          frame = source.next();
+        }
+        if (!frame) throw py::stop_iteration();
+        return *frame;
+      });
+
+  m.def("open_images", &open_images,
+        "A folder of pictures in natural order of their names, or in the order and at the times of its "
+        "frames.csv.",
+        py::arg("directory"), py::kw_only(), py::arg("frame_rate_hz") = 30.0, py::call_guard<py::gil_scoped_release>());
+  m.def("open_video", &open_video, "A video file; frames carry its timestamps.", py::arg("path"),
+        py::call_guard<py::gil_scoped_release>());
+  m.def("open_camera", &open_camera, "A V4L camera by number, at the calibration's size.", py::arg("index"),
+        py::kw_only(), py::arg("width"), py::arg("height"), py::arg("frame_rate_hz") = 30.0,
+        py::call_guard<py::gil_scoped_release>());
+}
