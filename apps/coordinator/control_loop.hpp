@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+
+#include "frame_feed.hpp"
+#include "pilotfish/bus/bus.hpp"
+#include "pilotfish/coordinator/coordinator.hpp"
+
+namespace pilotfish::apps {
+
+struct LoopConfig {
+  std::string robot;            ///< name on the bus
+  double frame_rate_hz = 30.0;  ///< also the rate at which zeros go out when no frame comes
+  double max_age_s = 0.1;
+  bool every_frame = false;  ///< the feed is a file: no heartbeat between its frames
+  bool json = false;
+};
+
+/// Frames in, commands out, until the feed ends or a stop signal comes; then zeros. All the waiting, the clock reading
+/// and the publishing around Coordinator::step, and nothing else.
+void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus);
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,75 @@
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <stdexcept>
+
+#include "exit_codes.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+constexpr const char* kSources =
+    "camera:N (the Nth camera), video:FILE, images:DIR, lcm[:CHANNEL] (NAME_IMAGE if no channel is given) or log:FILE "
+    "(written by lcm-logger)";
+
+constexpr const char* kExamples = R"(
+Examples
+  pilotfish-coordinator --config coordinator.yaml --source camera:0
+      drive, looking through the first camera
+  pilotfish-coordinator --config coordinator.yaml --source images:run1 --lcm-url memq:// --json
+      what it would have done on a folder of pictures: one JSON object per frame, nothing on the network
+  pilotfish-coordinator --config line.yaml
+      wait for images on ROBOT1_IMAGE, as pilotfish-sim publishes them
+
+Ends with 0 when the source ends or on SIGINT/SIGTERM (after sending zero commands), 64 on a wrong command line,
+69 if the source or the bus cannot be opened, 78 on a bad configuration (the message names the key).
+The keys of the configuration: pilotfish-coordinator --describe-config)";
+
+}  // namespace
+
+SourceSpec parse_source(const std::string& text) {
+  using Kind = SourceSpec::Kind;
+  const std::size_t colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  const std::string argument = colon == std::string::npos ? "" : text.substr(colon + 1);
+  if (kind == "lcm") return {Kind::lcm, argument};
+  for (auto [name, value] : {std::pair{"camera", Kind::camera}, std::pair{"video", Kind::video},
+                             std::pair{"images", Kind::images}, std::pair{"log", Kind::log}}) {
+    if (kind != name) continue;
+    if (argument.empty()) throw std::invalid_argument("'" + text + "' lacks the part after the colon; use " + kSources);
+    if (value == Kind::camera && (argument.size() > 3 || argument.find_first_not_of("0123456789") != std::string::npos))
+      throw std::invalid_argument("'" + argument + "' is not a camera's number, as in camera:0");
+    return {value, argument};
+  }
+  throw std::invalid_argument("'" + text + "' is not a source; use " + kSources);
+}
+
+ParsedOptions parse_options(int argc, char** argv) {
+  Options options;
+  CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM."};
+  app.footer(kExamples);
+  auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/coordinator.yaml");
+  app.add_option("--source", options.source, std::string("where frames come from: ") + kSources);
+  app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");
+  app.add_option(
+      "--lcm-url", options.lcm_url,
+      "LCM bus; memq:// keeps everything inside this process. Default: $LCM_DEFAULT_URL, else this host alone");
+  app.add_option("--profile", options.profile, "the law that drives")->check(CLI::IsMember({"paper", "anticipate"}));
+  app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
+  app.add_flag("--describe-config", options.describe_config,
+               "print every key of the configuration as Markdown and end");
+  try {
+    app.parse(argc, argv);
+    if (options.source) parse_source(*options.source);
+    if (!options.describe_config && config->count() == 0) throw CLI::RequiredError("--config");
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return {options, code == 0 ? kOk : kUsage};
+  } catch (const std::invalid_argument& error) {
+    std::cerr << "--source: " << error.what() << "\n";
+    return {options, kUsage};
+  }
+  return {options, std::nullopt};
+}
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace pilotfish::apps {
+
+/// Where frames come from: the part before and after the first colon of --source.
+struct SourceSpec {
+  enum class Kind { camera, video, images, lcm, log } kind = Kind::lcm;
+  std::string argument;
+};
+/// Throws std::invalid_argument that lists what there is.
+SourceSpec parse_source(const std::string& text);
+
+struct Options {
+  std::string config_path;
+  std::optional<std::string> source;
+  std::optional<std::string> name;
+  std::optional<std::string> profile;
+  std::string lcm_url;
+  bool json = false;
+  bool describe_config = false;
+};
+
+/// The options, or the exit code with which to end at once (after --help, or a usage error already printed).
+struct ParsedOptions {
+  Options options;
+  std::optional<int> exit_code;
+};
+ParsedOptions parse_options(int argc, char** argv);
+
+}  // namespace pilotfish::apps

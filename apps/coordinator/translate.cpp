@@ -1,0 +1,80 @@
+#include "translate.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace pilotfish::apps {
+
+bus::CommandReport command_report(const StepResult& result, std::int64_t image_utime, std::int64_t counter) {
+  return {image_utime, counter, result.command, result.status, result.reason};
+}
+
+bus::ObservationReport observation_report(const StepResult& result, const StepTiming& timing) {
+  return {result.utime, result.observation, result.reason, timing.latency_s};
+}
+
+bus::StatusReport status_report(const StepResult& result, const Coordinator& coordinator, const StepTiming& timing,
+                                const std::map<std::string, std::int64_t>& rejected_by_bus) {
+  static_assert(bus::kStatusRules == fuzzy::kPaperRules);
+  bus::StatusReport report;
+  report.utime = result.utime;
+  report.status = result.status;
+  report.reason = result.reason;
+  if (result.control) {
+    const control::VelocityCommand& velocity = result.control->velocity;
+    report.error_m = velocity.error_m;
+    report.error_change_m = velocity.error_change_m;
+    report.output = velocity.inference.output;
+    report.strengths = velocity.inference.strengths;
+  }
+  report.setpoint = coordinator.setpoint();
+  report.frame_rate_hz = timing.frame_rate_hz;
+  report.processing_ms = timing.processing_s * 1e3;
+  report.rejected = rejected_by_bus;
+  const vision::RejectionCounters& rejected = coordinator.rejected();
+  report.rejected["frames_invalid"] = rejected.frames_invalid;
+  report.rejected["tag_hamming"] = rejected.hamming;
+  report.rejected["tag_margin"] = rejected.margin;
+  report.rejected["tag_foreign_id"] = rejected.foreign_id;
+  report.rejected["tag_duplicate_id"] = rejected.duplicate_id;
+  report.rejected["pose"] = rejected.pose;
+  return report;
+}
+
+std::string json_line(const StepResult& result) {
+  nlohmann::ordered_json json;
+  json["utime"] = result.utime;
+  json["status"] = std::string(to_string(result.status));
+  json["reason"] = std::string(to_string(result.reason));
+  const bool detected = result.observation.has_value();
+  json["detected"] = detected;
+  const auto measured = [&](const char* key, auto value_of) {
+    json[key] = detected ? nlohmann::ordered_json(value_of(*result.observation)) : nlohmann::ordered_json(nullptr);
+  };
+  measured("distance_m", [](const Observation& o) { return o.distance_m; });
+  measured("bearing_rad", [](const Observation& o) { return o.bearing_rad; });
+  measured("heading_rad", [](const Observation& o) { return o.heading_rad; });
+  measured("reprojection_error_px", [](const Observation& o) { return o.reprojection_error_px; });
+  measured("ambiguity_ratio", [](const Observation& o) { return o.ambiguity_ratio; });
+  json["tag_ids"] = nlohmann::ordered_json::array();
+  json["decision_margins"] = nlohmann::ordered_json::array();
+  json["corners_px"] = nlohmann::ordered_json::array();  // per tag four times (u, v)
+  for (const TagSighting& tag : detected ? result.observation->tags : std::vector<TagSighting>{}) {
+    nlohmann::ordered_json corners = nlohmann::ordered_json::array();
+    for (const Eigen::Vector2d& corner : tag.corners_px) corners.push_back({corner.x(), corner.y()});
+    json["tag_ids"].push_back(tag.id);
+    json["decision_margins"].push_back(tag.decision_margin);
+    json["corners_px"].push_back(corners);
+  }
+  json["linear_mps"] = result.command.linear_mps;
+  json["angular_radps"] = result.command.angular_radps;
+  const auto decided = [&](const char* key, auto value_of) {
+    json[key] =
+        result.control ? nlohmann::ordered_json(value_of(result.control->velocity)) : nlohmann::ordered_json(nullptr);
+  };
+  decided("error_m", [](const control::VelocityCommand& v) { return v.error_m; });
+  decided("error_change_m", [](const control::VelocityCommand& v) { return v.error_change_m; });
+  decided("output", [](const control::VelocityCommand& v) { return v.inference.output; });
+  return json.dump();
+}
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,56 @@
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "exit_codes.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+constexpr const char* kExamples = R"(
+Examples
+  pilotfish-sim --scenario data/scenarios/line.yaml --record line.csv
+      as fast as the coordinators answer, the same run every time; in another terminal, before or after:
+      pilotfish-coordinator --config data/config/line.yaml
+  pilotfish-sim --scenario data/scenarios/circle.yaml --realtime
+      at the pace of the clock, to watch with pilotfish-spy or lcm-logger
+  pilotfish-sim --scenario data/scenarios/star.yaml --lcm-url 'udpm://239.255.76.67:7700?ttl=0'
+      on a bus of its own: another port, which the coordinators have to be told too
+
+Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE; each robot that follows another is
+driven by what comes in on NAME_COMMAND. A setpoint in the scenario is sent on NAME_SETPOINT before the first picture.
+
+Ends with 0 when the scenario is over or on SIGINT/SIGTERM, 64 on a wrong command line, 69 if the bus or the recording
+cannot be opened, 70 if a coordinator does not answer, 78 on a bad scenario (the message names the key).)";
+
+}  // namespace
+
+ParsedSimOptions parse_sim_options(int argc, char** argv) {
+  SimOptions options;
+  bool lockstep = false;
+  CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus."};
+  app.footer(kExamples);
+  app.add_option("--scenario", options.scenario_path, "what to play, e.g. data/scenarios/line.yaml")->required();
+  app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
+  auto* real_time = app.add_flag("--realtime", options.real_time,
+                                 "pictures at the pace of the clock, delivered after the camera's latency");
+  app.add_flag("--lockstep", lockstep, "wait for the answer to each picture: repeatable bit for bit (the default)")
+      ->excludes(real_time);
+  app.add_option("--record", options.record_path,
+                 "CSV file for the truth and the commands, one row per robot and frame");
+  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "of noise, clutter and dropped frames, instead of the scenario's")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--wait-s", options.wait_s, "how long to wait for the first answer of every coordinator")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return {options, code == 0 ? kOk : kUsage};
+  }
+  return {options, std::nullopt};
+}
+
+}  // namespace pilotfish::apps

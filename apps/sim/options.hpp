@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace pilotfish::apps {
+
+struct SimOptions {
+  std::string scenario_path;
+  std::string lcm_url;
+  std::string record_path;
+  bool real_time = false;
+  std::optional<double> duration_s;
+  std::optional<int> seed;
+  double wait_s = 10.0;
+};
+
+/// The options, or the exit code with which to end at once (after --help, or a usage error already printed).
+struct ParsedSimOptions {
+  SimOptions options;
+  std::optional<int> exit_code;
+};
+ParsedSimOptions parse_sim_options(int argc, char** argv);
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,205 @@
+#include "play.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "pilotfish/core/angles.hpp"
+#include "pilotfish/sim/awaited_answers.hpp"
+#include "stop_signal.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+constexpr double kResendAfter_s = 0.05;
+constexpr double kAnswerWithin_s = 10.0;  // after the first answer; a coordinator takes some tens of milliseconds
+constexpr double kProgressEvery_s = 2.0;
+constexpr int kSetpointCopies = 3;  // in real time; one datagram may be lost
+
+double monotonic_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+NoAnswer no_answer(const std::vector<std::string>& robots, double waited_s, const bus::Bus& bus) {
+  std::ostringstream text;
+  text << "no command from " << joined(robots) << " for " << waited_s << " s on " << bus.url()
+       << "; is pilotfish-coordinator running with that --name and --lcm-url, and the source lcm?";
+  return NoAnswer(text.str());
+}
+
+}  // namespace
+
+Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv)
+    : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv) {
+  for (const sim::RobotSpec& robot : world_.scenario().robots)
+    if (!robot.follows.empty()) followers_.push_back(robot.name);
+  for (const std::string& robot : followers_) answers_[robot] = {};
+  if (csv_ != nullptr) sim::write_recording_header(*csv_);
+  last_progress_s_ = monotonic_s();
+}
+
+void Stage::publish_poses() {
+  for (const sim::RobotSpec& robot : world_.scenario().robots) {
+    const sim::UnicycleState state = world_.state(robot.name);
+    bus_.publish(robot.name,
+                 bus::PoseReport{world_.utime(), state.pose.x_m, state.pose.y_m, state.pose.heading_rad, state.twist});
+  }
+}
+
+void Stage::publish_setpoint(const std::string& robot) {
+  const sim::RobotSpec& spec = *world_.scenario().find(robot);
+  if (spec.setpoint) bus_.publish(robot, *spec.setpoint, world_.utime());
+}
+
+void Stage::publish_image(const std::string& robot, const Frame& frame) {
+  bus_.publish_image(bus::channel(robot, "IMAGE"), frame);
+}
+
+double Stage::latency_s(const std::string& robot) const { return world_.scenario().find(robot)->camera->latency_s; }
+
+std::optional<Frame> Stage::expose(const std::string& robot) {
+  std::optional<Frame> picture = world_.capture(robot);
+  (picture ? played_.delivered : played_.dropped) += 1;
+  sim::Answer& answer = answers_[robot];
+  answer.delivered = picture.has_value();
+  if (!picture) answer.command = world_.command_in_effect(robot, world_.time_s() + latency_s(robot));
+  return picture;
+}
+
+void Stage::record() {
+  if (csv_ == nullptr) return;
+  for (const std::string& robot : followers_) sim::write_recording_row(*csv_, world_, robot, answers_[robot]);
+}
+
+void Stage::report_progress() {
+  if (monotonic_s() - last_progress_s_ < kProgressEvery_s) return;
+  last_progress_s_ = monotonic_s();
+  for (const std::string& robot : followers_) {
+    const RelativePose truth = world_.true_relative_pose(robot);
+    spdlog::info("{:.1f} of {:.1f} s: {} is {:.3f} m from {} at {:.1f} deg, {}", world_.time_s(),
+                 world_.scenario().duration_s, robot, truth.distance_m, world_.scenario().find(robot)->follows,
+                 degrees(truth.bearing_rad), answers_[robot].status.empty() ? "no answer yet" : answers_[robot].status);
+  }
+}
+
+Played Stage::play_in_lockstep() {
+  sim::AwaitedAnswers awaited(kResendAfter_s, wait_s_);
+  for (const std::string& robot : followers_)
+    bus_.on_command(robot, [this, &awaited, robot](const bus::CommandReport& report) {
+      if (!awaited.answered(robot, report.utime)) return;  // a heartbeat, or the second answer to a picture sent twice
+      world_.command(robot, report.command, world_.time_s() + latency_s(robot));
+      answers_[robot] = {report.command, std::string(to_string(report.status)), true};
+    });
+
+  const int frames = world_.scenario().frame_count();
+  while (played_.frames < frames && !stop_requested()) {
+    world_.advance_to(exposure_s(played_.frames));
+    publish_poses();
+    std::map<std::string, Frame> pictures;
+    for (const std::string& robot : followers_) {
+      const std::optional<Frame> picture = expose(robot);
+      if (!picture) continue;
+      pictures[robot] = *picture;
+      if (played_.frames == 0) publish_setpoint(robot);
+      publish_image(robot, *picture);
+      awaited.sent(robot, picture->utime, monotonic_s());
+    }
+    while (!awaited.complete() && !stop_requested()) {
+      bus_.handle(5);
+      for (const std::string& robot : awaited.to_resend(monotonic_s())) {
+        if (played_.frames == 0) publish_setpoint(robot);  // either of the two may have been lost
+        publish_image(robot, pictures.at(robot));
+        ++played_.sent_again;
+      }
+      if (const auto silent = awaited.overdue(monotonic_s()); !silent.empty())
+        throw no_answer(silent, played_.frames == 0 ? wait_s_ : kAnswerWithin_s, bus_);
+    }
+    if (!awaited.complete()) break;
+    record();
+    report_progress();
+    if (++played_.frames == 1) awaited = sim::AwaitedAnswers(kResendAfter_s, kAnswerWithin_s);
+  }
+  played_.stopped = stop_requested();
+  return played_;
+}
+
+/// Coordinators send zeros while they see nothing, so that each can be heard before the world begins to move.
+void Stage::wait_until_all_are_heard() {
+  const double asked_s = monotonic_s();
+  while (!stop_requested()) {
+    std::vector<std::string> silent;
+    for (const auto& [robot, answer] : answers_)
+      if (answer.status.empty()) silent.push_back(robot);
+    if (silent.empty()) return;
+    if (monotonic_s() - asked_s > wait_s_) throw no_answer(silent, wait_s_, bus_);
+    bus_.handle(10);
+  }
+}
+
+void Stage::expose_all() {
+  publish_poses();
+  for (const std::string& robot : followers_) {
+    if (played_.frames < kSetpointCopies) publish_setpoint(robot);
+    if (const std::optional<Frame> picture = expose(robot))
+      under_way_.push_back({world_.time_s() + latency_s(robot), robot, *picture});
+  }
+  record();
+  report_progress();
+  ++played_.frames;
+}
+
+void Stage::deliver(double now_s) {
+  const auto due = [now_s](const UnderWay& picture) { return picture.due_s <= now_s; };
+  for (const UnderWay& picture : under_way_)
+    if (due(picture)) publish_image(picture.robot, picture.frame);
+  under_way_.erase(std::remove_if(under_way_.begin(), under_way_.end(), due), under_way_.end());
+}
+
+Played Stage::play_in_real_time() {
+  double start_s = 0.0;  // of the world, on the monotonic clock; 0: not yet
+  for (const sim::RobotSpec& robot : world_.scenario().robots) {
+    if (robot.trajectory) continue;
+    bus_.on_command(robot.name, [this, &start_s, name = robot.name](const bus::CommandReport& report) {
+      if (start_s > 0.0) world_.command(name, report.command, monotonic_s() - start_s);
+      const auto found = answers_.find(name);
+      if (found == answers_.end()) return;
+      found->second.command = report.command;
+      found->second.status = std::string(to_string(report.status));
+    });
+  }
+  wait_until_all_are_heard();
+
+  start_s = monotonic_s();
+  const int frames = world_.scenario().frame_count();
+  int next = 0;
+  while ((next < frames || !under_way_.empty()) && !stop_requested()) {
+    double now_s = monotonic_s() - start_s;
+    if (next < frames && now_s >= exposure_s(next)) {
+      // If time was too short, go on with the exposure that is due now.
+      const int due = static_cast<int>(now_s * world_.scenario().frame_rate_hz);
+      const int current = std::clamp(due, next, frames - 1);
+      played_.skipped += current - next;
+      world_.advance_to(exposure_s(current));
+      expose_all();
+      next = current + 1;
+      now_s = monotonic_s() - start_s;
+    }
+    deliver(now_s);
+    double wake_s = next < frames ? exposure_s(next) : now_s;
+    for (const UnderWay& picture : under_way_)
+      wake_s = next < frames ? std::min(wake_s, picture.due_s) : std::max(wake_s, picture.due_s);
+    bus_.handle(std::clamp(static_cast<int>((wake_s - now_s) * 1e3), 0, 100));
+  }
+  played_.stopped = stop_requested();
+  return played_;
+}
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "pilotfish/bus/bus.hpp"
+#include "pilotfish/sim/recorder.hpp"
+#include "pilotfish/sim/world.hpp"
+
+namespace pilotfish::apps {
+
+/// A coordinator that does not answer; the message says which, and what to look at.
+class NoAnswer : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct Played {
+  int frames = 0;        ///< exposures
+  int delivered = 0;     ///< pictures that went out, over all robots
+  int dropped = 0;       ///< pictures that the scenario's seed dropped
+  int sent_again = 0;    ///< pictures that had to be sent once more
+  int skipped = 0;       ///< exposures that real time left no time for
+  bool stopped = false;  ///< by a signal
+};
+
+/// A world on the bus. One of the two play functions is called once.
+class Stage {
+ public:
+  /// `csv` may be nullptr; else it outlives the stage.
+  Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv);
+
+  /// Exposure by exposure: pictures out, wait for the command that answers each (its utime is the picture's),
+  /// let it act one latency after the exposure, go on. Throws NoAnswer.
+  Played play_in_lockstep();
+  /// At the pace of the monotonic clock. A picture leaves one latency after its exposure; a command acts when it comes.
+  Played play_in_real_time();
+
+ private:
+  void publish_poses();
+  void publish_setpoint(const std::string& robot);
+  void publish_image(const std::string& robot, const Frame& frame);
+  std::optional<Frame> expose(const std::string& robot);
+  double latency_s(const std::string& robot) const;
+  void wait_until_all_are_heard();
+  void expose_all();
+  void deliver(double now_s);
+  void record();
+  void report_progress();
+  double exposure_s(int frame) const { return frame / world_.scenario().frame_rate_hz; }
+
+  sim::World& world_;
+  bus::Bus& bus_;
+  double wait_s_;
+  std::ostream* csv_;
+  std::vector<std::string> followers_;
+  struct UnderWay {  // a picture between its exposure and its delivery
+    double due_s;
+    std::string robot;
+    Frame frame;
+  };
+  std::vector<UnderWay> under_way_;
+  std::map<std::string, sim::Answer> answers_;  ///< the last of each follower
+  double last_progress_s_ = 0.0;                ///< on the monotonic clock
+  Played played_;
+};
+
+}  // namespace pilotfish::apps
