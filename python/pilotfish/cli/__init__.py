@@ -1,0 +1,40 @@
+"""The command line: ``pilotfish experiment | render | plot | demo``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from pilotfish import __version__
+from pilotfish.cli.demo import demo
+from pilotfish.cli.experiment import experiment
+from pilotfish.cli.plot import plot
+from pilotfish.cli.render import render
+
+app = typer.Typer(
+    name="pilotfish",
+    help="A robot follows another robot by sight alone: run the experiments, render pictures, draw results.",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_show_locals=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+for command in (experiment, render, plot, demo):
+    app.command()(command)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"pilotfish {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and end."),
+    ] = False,
+) -> None:
+    pass

@@ -1,0 +1,85 @@
+"""``pilotfish demo``: both experiments with the real programs, and every picture of them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.options import DurationOption, Profile, ProfileOption
+
+if TYPE_CHECKING:
+    from pilotfish.camera_view import CameraView
+    from pilotfish.experiments import Result
+
+GIF_FRAMES = 60
+
+
+def demo(
+    out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for everything.")] = Path("out"),
+    profile: ProfileOption = Profile.paper,
+    duration_s: DurationOption = None,
+) -> None:
+    """Run both experiments with the real programs over LCM in lock-step; table and pictures in OUT.
+
+    \b
+    Example
+      pilotfish demo --out out
+    """
+    from pilotfish.cli.pictures import save_result
+    from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
+    from pilotfish.plots.camera_gif import draw_camera_gif
+    from pilotfish.plots.overview import Summary, draw_overview
+    from pilotfish.plots.style import save
+
+    with friendly_errors():
+        results, written = [], []
+        for experiment in EXPERIMENTS.values():
+            with progress(f"{experiment.title}, over LCM") as step:
+                result = run_experiment(experiment, profile.value, duration_s=duration_s, on_progress=step)
+            results.append(result)
+        summaries = []
+        for result in results:
+            views = _camera_views(result)
+            gif = out / f"{result.experiment.name}_{result.profile}_camera.gif"
+            written += [*save_result(result, out), draw_camera_gif(views, gif, result.experiment.title)]
+            title = f"{result.experiment.title} ({result.experiment.figure}, {result.profile} profile)"
+            summaries.append(Summary(title, result.recording, views[len(views) // 3]))
+        written.append(save(draw_overview(summaries), out / "overview.png"))
+        written += _save_law(results[0], out)
+        written.append(_save_metrics(results, out))
+        console.print(metrics_table(results))
+        for file in written:
+            console.print(f"wrote {file}", soft_wrap=True)
+
+
+def _camera_views(result: Result) -> list[CameraView]:
+    from pilotfish.harness.replay import replay_camera
+
+    robot = result.scenario.robot().name
+    every = max(1, len(result.recording) // GIF_FRAMES)
+    with progress(f"{result.experiment.title}, what the camera saw") as step:
+        return list(replay_camera(result.scenario, result.run, robot, every=every, on_progress=step))
+
+
+def _save_law(result: Result, out: Path) -> list[Path]:
+    """The fuzzy sets and the surface of the law that drove (Figs. 2 to 4)."""
+    from pilotfish.coordinator import load_coordinator
+    from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
+    from pilotfish.plots.style import save
+    from pilotfish.plots.surface import draw_surface
+
+    law = load_coordinator(result.scenario.robot().coordinator_file).coordinator.control.law
+    sets = draw_fuzzy_sets(law, "Membership functions of the shipped law (the paper's Figs. 2 to 4)")
+    return [save(sets, out / "fuzzy_sets.png"), save(draw_surface(law), out / "control_surface.png")]
+
+
+def _save_metrics(results: list[Result], out: Path) -> Path:
+    file = out / "metrics.json"
+    figures = {f"{r.experiment.name}_{r.profile}": asdict(r.metrics) for r in results}
+    file.write_text(json.dumps(figures, indent=2) + "\n")
+    return file

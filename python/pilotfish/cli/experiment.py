@@ -1,0 +1,46 @@
+"""``pilotfish experiment``: run the source paper's experiments and show their figures."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.options import DurationOption, InProcessOption, OutOption, Profile, ProfileOption, Which
+
+
+def experiment(
+    which: Annotated[Which, typer.Argument(help="Leader on a line (Fig. 6), on a circle (Fig. 7), or both.")],
+    profile: ProfileOption = Profile.paper,
+    in_process: InProcessOption = False,
+    duration_s: DurationOption = None,
+    out: OutOption = None,
+) -> None:
+    """Run the source paper's experiments in simulation and show what came of them.
+
+    The camera is rendered, the tags are detected, the real programs talk over a private LCM bus in lock-step.
+
+    \b
+    Examples
+      pilotfish experiment line                    the table for Fig. 6
+      pilotfish experiment both --out out          with recordings and pictures
+      pilotfish experiment circle --in-process     without programs and bus
+    """
+    from pilotfish.cli.pictures import save_result
+    from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
+
+    names = list(EXPERIMENTS) if which is Which.both else [which.value]
+    transport = "in-process" if in_process else "lcm"
+    with friendly_errors():
+        results = []
+        for name in names:
+            with progress(EXPERIMENTS[name].title) as step:
+                results.append(
+                    run_experiment(EXPERIMENTS[name], profile.value, transport, duration_s=duration_s, on_progress=step)
+                )
+        console.print(metrics_table(results))
+        if out:
+            for result in results:
+                for file in save_result(result, out):
+                    console.print(f"wrote {file}", soft_wrap=True)

@@ -1,0 +1,43 @@
+"""``pilotfish render``: what a robot's camera sees in a scenario, as a folder of pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.options import Profile, ProfileOption
+
+
+def render(
+    scenario: Annotated[str, typer.Argument(help="A scenario file, or the name of a shipped one (line, circle, ...).")],
+    out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for the pictures and frames.csv.")],
+    frames: Annotated[int | None, typer.Option(min=1, help="How many; default: the whole scenario.")] = None,
+    robot: Annotated[str | None, typer.Option(help="Whose camera; default: the first follower's.")] = None,
+    profile: ProfileOption = Profile.paper,
+) -> None:
+    """Render what a robot's camera sees while its coordinator drives it: PNGs and frames.csv with the true
+    poses.
+
+    \b
+    Example: render, then let the coordinator look at the pictures
+      pilotfish render line --out out/line --frames 60
+      pilotfish-coordinator --config data/config/line.yaml \\
+          --source images:out/line --lcm-url memq:// --json
+    """
+    from pilotfish.harness.scenario import Scenario
+    from pilotfish.harness.sequences import render_sequence
+
+    with friendly_errors():
+        loaded = Scenario.load(_scenario_file(scenario))
+        with progress(f"rendering {loaded.name}") as step:
+            written = render_sequence(loaded, out, frames=frames, robot=robot, profile=profile.value, on_progress=step)
+        console.print(f"wrote {written} pictures and frames.csv to {out}", soft_wrap=True)
+
+
+def _scenario_file(name: str) -> Path:
+    from pilotfish import data
+
+    return Path(name) if Path(name).exists() or "/" in name else data.path(f"scenarios/{Path(name).stem}.yaml")

@@ -1,0 +1,40 @@
+"""What can go wrong that whoever called us can mend. Each kind has the exit code that the command line ends
+with; they are those of sysexits.h, as in the C++ programs."""
+
+from __future__ import annotations
+
+
+class PilotfishError(Exception):
+    """The message says what is wrong and, where it is known, what to do."""
+
+    exit_code = 1
+
+
+class RecordingError(PilotfishError, ValueError):
+    """A file that is not a recording; the message says which line or column."""
+
+    exit_code = 65
+
+
+class MissingFileError(PilotfishError, FileNotFoundError):
+    """A file or shipped data file that is not there."""
+
+    exit_code = 66
+
+
+class ExecutableNotFoundError(PilotfishError, FileNotFoundError):
+    """A program of ours that is nowhere; the message lists where it was looked for."""
+
+    exit_code = 69
+
+
+class HarnessError(PilotfishError, RuntimeError):
+    """A run that did not come about; the message has the command and the end of what the program said."""
+
+    exit_code = 70
+
+
+class ConfigError(PilotfishError, ValueError):
+    """A configuration, scenario or fuzzy controller that cannot be used; the message names the key."""
+
+    exit_code = 78

@@ -1,0 +1,113 @@
+"""The source paper's two experiments: as data, as a run, as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from rich.table import Table
+
+from pilotfish import data
+from pilotfish.harness.run import OnProgress, Run
+from pilotfish.harness.scenario import Scenario
+from pilotfish.metrics import Metrics, evaluate
+from pilotfish.recording import Recording
+
+PROFILES = ("paper", "anticipate")
+TRANSPORTS = ("lcm", "in-process")
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What the paper says about one of its experiments, and the scenario that replays it."""
+
+    name: str
+    title: str
+    figure: str
+    scenario_file: str  # below data/
+    initial_distance_m: float
+    distance_setpoint_m: float
+    bearing_setpoint_deg: float
+
+    def scenario(self) -> Scenario:
+        return Scenario.load(data.path(self.scenario_file))
+
+
+LINE = Experiment("line", "Leader on a line", "Fig. 6", "scenarios/line.yaml", 2.44, 1.10, -10.0)
+CIRCLE = Experiment("circle", "Leader on a circle", "Fig. 7", "scenarios/circle.yaml", 1.96, 0.65, 0.0)
+EXPERIMENTS = {experiment.name: experiment for experiment in (LINE, CIRCLE)}
+
+
+@dataclass(frozen=True)
+class Result:
+    """One experiment, run once."""
+
+    experiment: Experiment
+    scenario: Scenario
+    profile: str
+    run: Run
+    recording: Recording
+    metrics: Metrics
+
+
+def run_experiment(
+    experiment: Experiment,
+    profile: str = "paper",
+    transport: str = "lcm",
+    *,
+    duration_s: float | None = None,
+    on_progress: OnProgress | None = None,
+) -> Result:
+    """Plays it over LCM with the real programs, or in this process (same law, same pictures, no bus)."""
+    scenario = experiment.scenario()
+    run = _runner(transport)(scenario, profile=profile, duration_s=duration_s, on_progress=on_progress)
+    recording = run.recordings[scenario.robot().name]
+    return Result(experiment, scenario, profile, run, recording, evaluate(recording))
+
+
+def _runner(transport: str) -> Callable[..., Run]:
+    if transport == "lcm":
+        from pilotfish.harness.over_lcm import run_over_lcm
+
+        return run_over_lcm
+    if transport == "in-process":
+        from pilotfish.harness.in_process import run_in_process
+
+        return run_in_process
+    raise ValueError(f"transport '{transport}' is not one of {', '.join(TRANSPORTS)}")
+
+
+def metrics_table(results: Sequence[Result]) -> Table:
+    """One column an experiment, one row a figure; pilotfish.metrics defines each."""
+    table = Table(title="Following by sight", title_justify="left", caption_justify="left")
+    table.caption = "e = d_p - d, positive: too close. Standing, RMS and bearing: over the last quarter of the run."
+    table.add_column("")
+    for result in results:
+        table.add_column(f"{result.experiment.title}\n({result.experiment.figure}, {result.profile})", justify="right")
+    for label, text in _ROWS:
+        table.add_row(label, *(text(result) for result in results))
+    return table
+
+
+def _millimetres(value_m: float) -> str:
+    return f"{1000.0 * value_m:+.0f} mm"
+
+
+def _settling(result: Result) -> str:
+    settled_s = result.metrics.settling_time_s
+    return "[red]not settled[/]" if settled_s is None else f"{settled_s:.1f} s"
+
+
+_ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
+    ("distance, initial \u2192 desired", lambda r: f"{r.metrics.initial_distance_m:.2f} \u2192 "
+                                              f"{r.recording.meta.distance_setpoint_m:.2f} m"),
+    ("initial distance error", lambda r: _millimetres(r.metrics.initial_error_m)),
+    ("final distance error", lambda r: _millimetres(r.metrics.final_error_m)),
+    ("standing distance error", lambda r: _millimetres(r.metrics.standing_error_m)),
+    ("RMS distance error", lambda r: f"{1000.0 * r.metrics.rms_error_m:.0f} mm"),
+    ("settling to standing ±50 mm", _settling),
+    ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),
+    ("mean bearing error", lambda r: f"{r.metrics.mean_bearing_error_deg:+.2f}°"),
+    ("RMS bearing error", lambda r: f"{r.metrics.rms_bearing_error_deg:.2f}°"),
+    ("frames detected", lambda r: f"{100.0 * r.metrics.frames_detected_ratio:.1f} %"),
+)  # fmt: skip

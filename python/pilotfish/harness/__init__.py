@@ -1,0 +1,1 @@
+"""Runs the machine: in this process, over LCM with the real programs, or on pictures in a folder."""

@@ -1,0 +1,110 @@
+"""Runs a scenario in this process: the simulator's world and the coordinators' steps, without programs or a
+bus.
+
+The code is the same as on the robot; only the transport is missing. That makes it the place to look into a
+run: every frame and every StepResult can be seen through ``on_frame``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pilotfish import coordinator, sim
+from pilotfish.control import Profile
+from pilotfish.core import Frame, Twist
+from pilotfish.harness.frame_report import FrameReport
+from pilotfish.harness.run import OnProgress, Run, measured
+from pilotfish.harness.scenario import FollowingRobot, Scenario
+from pilotfish.recording import Meta, Recording
+
+
+@dataclass(frozen=True)
+class FrameEvent:
+    """One robot's camera period, as it happens."""
+
+    robot: str
+    index: int
+    time_s: float
+    frame: Frame | None  # None: dropped by the camera
+    result: coordinator.StepResult | None  # the answer to the last frame that was not dropped; None before the first
+    world: sim.World
+
+
+OnFrame = Callable[[FrameEvent], None]
+
+
+def run_in_process(
+    scenario: Scenario,
+    *,
+    profile: str,
+    duration_s: float | None = None,
+    on_progress: OnProgress | None = None,
+    on_frame: OnFrame | None = None,
+) -> Run:
+    """Plays the scenario: at each exposure every robot looks, steps, and is told the command after its
+    latency."""
+    world = sim.World(sim.load_scenario(scenario.file))
+    drivers = {robot.name: _coordinator(robot, profile) for robot in scenario.robots}
+    answers: dict[str, coordinator.StepResult | None] = dict.fromkeys(drivers)
+    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in drivers}
+    reports: dict[str, list[FrameReport]] = {name: [] for name in drivers}
+    frames = scenario.frame_count(duration_s or scenario.duration_s)
+    for index in range(frames):
+        time_s = index / scenario.frame_rate_hz
+        world.advance_to(time_s)
+        for robot in scenario.robots:
+            frame = world.capture(robot.name)
+            if frame is not None:  # else nobody answers, and the wheels go on with what they were told last
+                result = drivers[robot.name].step(frame)
+                world.command(robot.name, result.command, time_s + robot.latency_s)
+                answers[robot.name] = result
+                reports[robot.name].append(FrameReport.from_step(result))
+            answer = answers[robot.name]
+            rows[robot.name].append(_row(world, robot, frame is not None, answer))
+            if on_frame:
+                on_frame(FrameEvent(robot.name, index, time_s, frame, answer, world))
+        if on_progress:
+            on_progress(index + 1, frames)
+    recordings = {}
+    for robot in scenario.robots:
+        run = Recording.from_rows(rows[robot.name], Meta(robot=robot.name, leader=robot.leader))
+        run = run.with_measurements(measured(reports[robot.name]))
+        recordings[robot.name] = scenario.annotate(run, profile, "in-process")
+    return Run(recordings, reports)
+
+
+def _coordinator(robot: FollowingRobot, profile: str) -> coordinator.Coordinator:
+    config = coordinator.load_coordinator(robot.coordinator_file).coordinator
+    config.control.profile = getattr(Profile, profile)
+    config.setpoint = robot.setpoint
+    return coordinator.Coordinator(config)
+
+
+def _row(
+    world: sim.World, robot: FollowingRobot, delivered: bool, answer: coordinator.StepResult | None
+) -> dict[str, Any]:
+    command = answer.command if answer else Twist()
+    own, leader = world.state(robot.name), world.state(robot.leader)
+    distance_m, bearing_rad, heading_rad = world.true_relative_pose(robot.name)
+    return {
+        "time_s": world.time_s,
+        "utime_us": world.utime,
+        "x_m": own.pose.x_m,
+        "y_m": own.pose.y_m,
+        "heading_rad": own.pose.heading_rad,
+        "linear_mps": own.twist.linear_mps,
+        "angular_radps": own.twist.angular_radps,
+        "leader_x_m": leader.pose.x_m,
+        "leader_y_m": leader.pose.y_m,
+        "leader_heading_rad": leader.pose.heading_rad,
+        "leader_linear_mps": leader.twist.linear_mps,
+        "true_distance_m": distance_m,
+        "true_bearing_rad": bearing_rad,
+        "true_heading_rad": heading_rad,
+        "command_linear_mps": command.linear_mps,
+        "command_angular_radps": command.angular_radps,
+        "status": answer.status.name if answer else "",
+        "delivered": delivered,
+    }

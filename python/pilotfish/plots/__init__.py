@@ -1,0 +1,1 @@
+"""Pictures: every module draws one thing on a figure it returns; ``save`` writes it."""

@@ -1,0 +1,147 @@
+"""The command line: what it teaches, what it says when something is wrong, what it leaves behind."""
+
+import json
+import re
+
+import pytest
+from synthetic_run import exponential_run
+from typer.testing import CliRunner
+
+from pilotfish import data
+from pilotfish.cli import app
+
+runner = CliRunner()
+
+
+def run(*arguments):
+    result = runner.invoke(app, [str(argument) for argument in arguments])
+    # Colours and line breaks depend on the terminal; the words do not.
+    said = re.sub(r"\x1b\[[0-9;]*m", "", result.output)
+    return result, re.sub(r"[\s│]+", " ", said)
+
+
+def test_without_a_command_the_help_is_shown():
+    _, said = run()
+    for command in ("experiment", "render", "plot", "demo"):
+        assert f" {command} " in said
+
+
+@pytest.mark.parametrize("command", ["experiment", "render", "plot", "demo"])
+def test_every_help_has_an_example_to_copy(command):
+    result, said = run(command, "--help")
+    assert result.exit_code == 0
+    assert re.search(rf"Examples?\b.*pilotfish {command} ", said)
+
+
+def test_the_version_is_the_package_s():
+    result, said = run("--version")
+    assert (result.exit_code, said.strip()) == (0, "pilotfish 0.1.0")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        (["experiment", "square"], "square"),
+        (["experiment", "line", "--profile", "clairvoyant"], "clairvoyant"),
+        (["experiment", "line", "--duration-s", "-1"], "--duration-s"),
+        (["render", "line"], "--out"),
+        (["plot", "nowhere.csv"], "nowhere.csv"),
+        (["plot", __file__], ".py"),
+    ],
+)
+def test_a_wrong_command_line_ends_with_2_and_says_which_word_is_wrong(arguments, wrong):
+    result, said = run(*arguments)
+    assert result.exit_code == 2
+    assert wrong in said
+
+
+def test_missing_programs_end_with_69_and_say_how_to_get_them(tmp_path, monkeypatch):
+    monkeypatch.setenv("PILOTFISH_BIN", str(tmp_path))
+    result, said = run("experiment", "line")
+    assert result.exit_code == 69
+    assert "cmake --build" in said
+    assert "PILOTFISH_BIN" in said
+
+
+def test_a_scenario_that_cannot_be_used_ends_with_78_and_names_the_key(tmp_path):
+    scenario = tmp_path / "odd.yaml"
+    scenario.write_text("name: odd\nrobots:\n  - {name: leader, colour: red}\n")
+    result, said = run("render", scenario, "--out", tmp_path / "out")
+    assert result.exit_code == 78
+    assert "colour" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_shipped_scenario_that_does_not_exist_ends_with_66_and_lists_those_that_do(tmp_path):
+    result, said = run("render", "lime", "--out", tmp_path)
+    assert result.exit_code == 66
+    assert "scenarios/line.yaml" in said
+
+
+def test_a_broken_recording_ends_with_65(tmp_path):
+    (tmp_path / "broken.csv").write_text("a,b\n1,2\n")
+    result, said = run("plot", tmp_path / "broken.csv")
+    assert result.exit_code == 65
+    assert "not a recording" in said
+
+
+def test_a_broken_fuzzy_controller_ends_with_78_and_is_named(tmp_path):
+    text = data.path("fuzzy/coordination.yaml").read_text()
+    (tmp_path / "broken.yaml").write_text(text.replace("NB:      [PB, PB,", "NB:      [PB, XX,"))
+    result, said = run("plot", tmp_path / "broken.yaml")
+    assert result.exit_code == 78
+    assert "XX" in said
+
+
+def test_a_recording_is_plotted_beside_itself(tmp_path):
+    exponential_run().to_csv(tmp_path / "run.csv")
+    result, said = run("plot", tmp_path / "run.csv")
+    assert result.exit_code == 0, said
+    assert {file.name for file in tmp_path.glob("*.png")} == {"run_paths.png", "run_distance_error.png"}
+
+
+def test_a_recording_without_a_setpoint_is_plotted_once_the_setpoint_is_given(tmp_path):
+    exponential_run().with_meta(distance_setpoint_m=float("nan")).to_csv(tmp_path / "run.csv")
+    result, said = run("plot", tmp_path / "run.csv")
+    assert result.exit_code == 2
+    assert "--distance-setpoint-m" in said
+    assert run("plot", tmp_path / "run.csv", "--distance-setpoint-m", "1.0")[0].exit_code == 0
+
+
+def test_a_fuzzy_controller_is_plotted(tmp_path):
+    result, said = run("plot", data.path("fuzzy/coordination.yaml"), "--out", tmp_path)
+    assert result.exit_code == 0, said
+    assert {file.name for file in tmp_path.glob("*.png")} == {
+        "coordination_sets.png",
+        "coordination_surface.png",
+    }
+
+
+def test_a_short_sequence_is_rendered(tmp_path):
+    result, said = run("render", "line", "--out", tmp_path, "--frames", "2")
+    assert result.exit_code == 0, said
+    assert "wrote 2 pictures" in said
+    assert {file.name for file in tmp_path.iterdir()} == {"000000.png", "000001.png", "frames.csv"}
+
+
+def test_an_experiment_prints_its_table_and_leaves_its_files(tmp_path):
+    result, said = run("experiment", "circle", "--in-process", "--duration-s", "1", "--out", tmp_path)
+    assert result.exit_code == 0, said
+    assert "standing distance error" in said
+    names = {"circle_paper.csv", "circle_paper_distance_error.png", "circle_paper_paths.png"}
+    assert {file.name for file in tmp_path.iterdir()} == names
+
+
+def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
+    result, said = run("demo", "--duration-s", "1", "--out", tmp_path)
+    assert result.exit_code == 0, said
+    each = ("{}_paper.csv", "{}_paper_distance_error.png", "{}_paper_paths.png", "{}_paper_camera.gif")
+    expected = {name.format(which) for which in ("line", "circle") for name in each}
+    assert {file.name for file in tmp_path.iterdir()} == expected | {
+        "overview.png",
+        "fuzzy_sets.png",
+        "control_surface.png",
+        "metrics.json",
+    }
+    figures = json.loads((tmp_path / "metrics.json").read_text())
+    assert figures["line_paper"]["initial_distance_m"] == pytest.approx(2.44, abs=1e-3)
