@@ -1,0 +1,146 @@
+"""The README's commands and code blocks do what it says. A command that is not known here fails the test."""
+
+import os
+import re
+import shutil
+import subprocess
+import sysconfig
+import time
+from pathlib import Path
+
+import pytest
+
+from pilotfish import data as shipped
+from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
+from pilotfish.harness.ports import private_lcm_url
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+
+
+COMMANDS = [
+    line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.split("#")[0].strip()
+]
+
+
+@pytest.fixture
+def desk(tmp_path):
+    """A folder in which the README's relative paths hold, with Pilotfish's programs first on the PATH."""
+    (tmp_path / "data").symlink_to(shipped.path("."))
+    path = os.pathsep.join([str(find_executable(SIM).parent), sysconfig.get_path("scripts"), os.environ["PATH"]])
+    environment = {**os.environ, "PATH": path, "LCM_DEFAULT_URL": private_lcm_url()}
+    return lambda command, **how: subprocess.run(
+        command.split(), cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120, **how
+    )
+
+
+def test_the_readme_shows_commands_and_code():
+    assert len(COMMANDS) >= 10
+    assert blocks("python")
+
+
+@pytest.mark.parametrize("code", blocks("python"))
+def test_the_code_runs_and_prints_a_tracked_leader(code):
+    import sys
+
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "tracking" in done.stdout
+
+
+# What each command of the README is checked for. None: an existing program of LCM's, or one that other tests run.
+CHECKS = {
+    "scripts/demo": "script",
+    "scripts/test": "script",
+    "pilotfish-coordinator --config data/config/coordinator.yaml --source camera:0": "no camera",
+    "pilotfish-coordinator --config data/config/line.yaml": "real time",
+    "pilotfish-sim --scenario data/scenarios/line.yaml --realtime": "real time",
+    "pilotfish-spy": "program",
+    "lcm-logger run.log": "log",
+    "lcm-logplayer run.log": "log",
+    "pilotfish-coordinator --config data/config/line.yaml --source log:run.log --json": "log",
+    "pilotfish experiment line --out out": "experiment",
+    "pilotfish render data/scenarios/circle.yaml --out out/pictures --frames 30": "render",
+    "pilotfish-coordinator --config data/config/circle.yaml --source images:out/pictures --lcm-url memq:// --json": (
+        "render"
+    ),
+}
+
+
+def commands_checked_as(kind):
+    return [command for command in COMMANDS if CHECKS[command] == kind]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_is_checked_below(command):
+    assert command in CHECKS
+
+
+def test_the_scripts_can_be_executed():
+    for command in commands_checked_as("script"):
+        assert os.access(ROOT / command, os.X_OK)
+
+
+def test_pictures_are_rendered_and_followed(desk):
+    render, follow = commands_checked_as("render")
+    done = desk(render)
+    assert done.returncode == 0, done.stderr
+    done = desk(follow)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count('"status":"tracking"') == 30
+
+
+def test_an_experiment_ends_with_a_table_and_pictures(desk, tmp_path):
+    (command,) = commands_checked_as("experiment")
+    done = desk(command)
+    assert done.returncode == 0, done.stderr
+    assert "standing distance error" in done.stdout
+    assert list((tmp_path / "out").glob("*.png"))
+
+
+def test_without_a_camera_it_says_so(desk):
+    (command,) = commands_checked_as("no camera")
+    if Path("/dev/video0").exists():
+        pytest.skip("this machine has a camera; it would be used")
+    done = desk(command)
+    assert done.returncode == 69
+    assert "camera" in done.stderr
+
+
+def test_simulator_and_coordinator_meet_in_real_time_and_the_log_can_be_replayed(desk, tmp_path):
+    """lcm-logger records the run that the README's two terminals show; the coordinator reads it back."""
+    follow, play = commands_checked_as("real time")
+    logger, player, replay = commands_checked_as("log")
+    for program in (logger.split()[0], player.split()[0]):
+        assert shutil.which(program)
+    url = private_lcm_url()
+    environment = {**os.environ, "LCM_DEFAULT_URL": url}
+    quiet = {"cwd": tmp_path, "env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen([shutil.which("lcm-logger"), f"--lcm-url={url}", "run.log"], **quiet) as recorder:
+        with subprocess.Popen([find_executable(COORDINATOR), *follow.split()[1:]], **quiet) as coordinator:
+            options = [*play.split()[1:], "--duration-s", "3"]
+            done = subprocess.run([find_executable(SIM), *options], cwd=tmp_path, env=environment, timeout=60)
+            assert done.returncode == 0
+            coordinator.terminate()
+            assert coordinator.wait(10) == 0
+        deadline = time.monotonic() + 10.0
+        while (tmp_path / "run.log").stat().st_size < 100_000 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        recorder.terminate()
+    done = desk(replay)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count('"status":"tracking"') >= 10
+
+
+def test_pictures_in_the_readme_exist():
+    for picture in re.findall(r"!\[.*?\]\((.*?)\)", README):
+        assert (ROOT / picture).is_file(), picture
+
+
+def test_links_in_the_readme_lead_somewhere():
+    for target in re.findall(r"(?<!!)\[[^\]]*\]\(([^)#]+)[^)]*\)", README):
+        assert (ROOT / target).exists(), target
