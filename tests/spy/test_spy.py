@@ -102,7 +102,8 @@ def screen(tmp_path, lcm_spy):
     """A virtual screen: its DISPLAY."""
     read, write = os.pipe()
     os.set_inheritable(write, True)
-    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1024x768x24", "-nolisten", "tcp"]
+    # Without -noreset the server starts anew whenever its last client leaves, and refuses who comes at that moment.
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1024x768x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
     os.close(write)
     with os.fdopen(read) as answer:
