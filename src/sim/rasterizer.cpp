@@ -149,7 +149,8 @@ void hit(const Facet& facet, std::int16_t index, const RayGrid& grid, Hits& hits
       const float w = m(2, 0) * x + m(2, 1) * y + m(2, 2);
       const float a = m(0, 0) * x + m(0, 1) * y + m(0, 2);
       const float b = m(1, 0) * x + m(1, 1) * y + m(1, 2);
-      const bool nearest = (std::abs(a) <= w) & (std::abs(b) <= w) & (w * priority > hits.nearness[here]);
+      const bool nearest =
+          (int(std::abs(a) <= w) & int(std::abs(b) <= w) & int(w * priority > hits.nearness[here])) != 0;
       hits.nearness[here] = nearest ? w * priority : hits.nearness[here];
       hits.facet[here] = nearest ? index : hits.facet[here];
     }
