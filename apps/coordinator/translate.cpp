@@ -31,12 +31,22 @@ bus::StatusReport status_report(const StepResult& result, const Coordinator& coo
   report.processing_ms = timing.processing_s * 1e3;
   report.rejected = rejected_by_bus;
   const vision::RejectionCounters& rejected = coordinator.rejected();
-  report.rejected["frames_invalid"] = rejected.frames_invalid;
-  report.rejected["tag_hamming"] = rejected.hamming;
-  report.rejected["tag_margin"] = rejected.margin;
-  report.rejected["tag_foreign_id"] = rejected.foreign_id;
-  report.rejected["tag_duplicate_id"] = rejected.duplicate_id;
-  report.rejected["pose"] = rejected.pose;
+  const auto count = [&report](const char* name, std::int64_t value) {
+    if (value > 0) report.rejected[name] = value;  // a datagram has room for 16 names
+  };
+  count("frames_invalid", rejected.frames_invalid);
+  count("tag_hamming", rejected.hamming);
+  count("tag_margin", rejected.margin);
+  count("tag_misfit", rejected.misfit);
+  count("tag_foreign_id", rejected.foreign_id);
+  count("tag_duplicate_id", rejected.duplicate_id);
+  count("tag_outside_frame", rejected.outside_frame);
+  count("tag_too_small", rejected.too_small);
+  count("tag_too_blurred", rejected.too_blurred);
+  count("tag_size", rejected.size);
+  count("pose_behind", rejected.behind);
+  count("pose_jump", rejected.jump);
+  count("pose", rejected.pose);
   return report;
 }
 
@@ -55,10 +65,12 @@ std::string json_line(const StepResult& result) {
   measured("heading_rad", [](const Observation& o) { return o.heading_rad; });
   measured("reprojection_error_px", [](const Observation& o) { return o.reprojection_error_px; });
   measured("ambiguity_ratio", [](const Observation& o) { return o.ambiguity_ratio; });
+  measured("heading_doubt", [](const Observation& o) { return o.heading_doubt; });
+  measured("found_by", [](const Observation& o) { return std::string(to_string(o.found_by)); });
   json["tag_ids"] = nlohmann::ordered_json::array();
   json["decision_margins"] = nlohmann::ordered_json::array();
   json["corners_px"] = nlohmann::ordered_json::array();  // per tag four times (u, v)
-  for (const TagSighting& tag : detected ? result.observation->tags : std::vector<TagSighting>{}) {
+  for (const TagSighting& tag : detected ? result.observation->tags : decltype(Observation::tags){}) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();
     for (const Eigen::Vector2d& corner : tag.corners_px) corners.push_back({corner.x(), corner.y()});
     json["tag_ids"].push_back(tag.id);

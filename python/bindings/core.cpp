@@ -64,6 +64,13 @@ PYBIND11_MODULE(core, m) {
       .value("frame_stale", Reason::frame_stale)
       .value("told_to_stop", Reason::told_to_stop)
       .value("law_not_finite", Reason::law_not_finite)
+      .value("tag_duplicate", Reason::tag_duplicate)
+      .value("tag_outside_frame", Reason::tag_outside_frame)
+      .value("tag_too_small", Reason::tag_too_small)
+      .value("tag_too_blurred", Reason::tag_too_blurred)
+      .value("tag_size_implausible", Reason::tag_size_implausible)
+      .value("leader_behind_camera", Reason::leader_behind_camera)
+      .value("leader_jumped", Reason::leader_jumped)
       .def_property_readonly("text", [](Reason reason) { return std::string(to_string(reason)); });
 
   py::class_<Frame>(m, "Frame", "One gray picture and the instant of its exposure.")
@@ -172,6 +179,17 @@ PYBIND11_MODULE(core, m) {
       .def_readonly("decision_margin", &TagSighting::decision_margin)
       .def_property_readonly("corners_px", [](const TagSighting& tag) { return to_array(tag.corners_px); });
 
+  py::enum_<FoundBy>(m, "FoundBy", "How the leader's tags were found in a frame.")
+      .value("track", FoundBy::track)
+      .value("region", FoundBy::region)
+      .value("frame", FoundBy::frame);
+  py::class_<RelativeMeasurement>(m, "RelativeMeasurement", "What one frame says by itself.")
+      .def_property_readonly("distance_m", [](const RelativeMeasurement& r) { return r.pose.distance_m; })
+      .def_property_readonly("bearing_rad", [](const RelativeMeasurement& r) { return r.pose.bearing_rad; })
+      .def_property_readonly("heading_rad", [](const RelativeMeasurement& r) { return r.pose.heading_rad; })
+      .def_property_readonly(
+          "covariance", [](const RelativeMeasurement& r) { return to_array(r.covariance); },
+          "(3, 3) of (distance_m, bearing_rad, heading_rad)");
   py::class_<Observation>(m, "Observation", "The leader, measured in one frame.")
       .def(py::init([](std::int64_t utime, double distance_m, double bearing_rad, double heading_rad,
                        std::vector<TagSighting> tags) {
@@ -180,7 +198,8 @@ PYBIND11_MODULE(core, m) {
              observation.distance_m = distance_m;
              observation.bearing_rad = bearing_rad;
              observation.heading_rad = heading_rad;
-             observation.tags = std::move(tags);
+             if (tags.size() > kMaxTagsOnBody) throw py::value_error("an observation has at most 12 tags");
+             for (TagSighting& tag : tags) observation.tags.push_back(std::move(tag));
              return observation;
            }),
            py::kw_only(), py::arg("utime"), py::arg("distance_m"), py::arg("bearing_rad") = 0.0,
@@ -194,10 +213,22 @@ PYBIND11_MODULE(core, m) {
           "(3, 3) of (distance_m, bearing_rad, heading_rad)")
       .def_property_readonly(
           "cMo", [](const Observation& o) { return to_array(o.cMo); }, "(4, 4)")
+      .def_readonly("measured", &Observation::measured, "of this frame alone: what a filter of your own should be fed")
+      .def_readonly("heading_doubt", &Observation::heading_doubt,
+                    "how much the headings so far speak for another one than heading_rad, 0 to 1")
+      .def_property_readonly(
+          "other_cMo",
+          [](const Observation& o) -> std::optional<py::array_t<double>> {
+            if (!o.other_cMo) return std::nullopt;
+            return to_array(*o.other_cMo);
+          },
+          "(4, 4) of the other planar solution, or None")
       .def_readonly("reprojection_error_px", &Observation::reprojection_error_px)
       .def_readonly("ambiguity_ratio", &Observation::ambiguity_ratio)
       .def_readonly("min_decision_margin", &Observation::min_decision_margin)
-      .def_readonly("tags", &Observation::tags);
+      .def_readonly("found_by", &Observation::found_by)
+      .def_property_readonly(
+          "tags", [](const Observation& o) { return std::vector<TagSighting>(o.tags.begin(), o.tags.end()); });
 
   m.def(
       "relative_pose",

@@ -10,6 +10,17 @@ using namespace pilotfish;
 using namespace pilotfish::python;
 using namespace pilotfish::vision;
 
+namespace {
+
+TagMeasurements as_measurements(const std::vector<TagSighting>& tags) {
+  if (tags.size() > kMaxTagsOnBody) throw py::value_error("a leader wears at most 12 tags");
+  TagMeasurements measurements;
+  for (const TagSighting& tag : tags) measurements.push_back({tag, Matrix8d::Zero(), {}});
+  return measurements;
+}
+
+}  // namespace
+
 PYBIND11_MODULE(vision, m) {
   m.doc() = "Tag detection and the leader's pose: Frame in, Observation out.";
   py::module_::import("pilotfish.core");
@@ -60,44 +71,124 @@ PYBIND11_MODULE(vision, m) {
           "A picture whose claimed size need not fit its bytes, as it might come off a wire.", py::arg("data"),
           py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"));
 
+  bind_parameters<TagGates>(m, "TagGates", "Which tags are believed once they have been found.");
+  py::class_<Appearance>(m, "Appearance", "How a print looks in a picture.")
+      .def_readonly("black", &Appearance::black, "gray level in the middle of the tag")
+      .def_readonly("white", &Appearance::white, "gray level in the middle of the tag")
+      .def_readonly("blur_u_px2", &Appearance::blur_u_px2, "variance of the blur along rows, with the pixel's own 1/12")
+      .def_readonly("blur_v_px2", &Appearance::blur_v_px2, "the same along columns");
+  py::class_<TagMeasurement>(m, "TagMeasurement", "One tag, verified and measured in one picture.")
+      .def_readonly("tag", &TagMeasurement::tag)
+      .def_property_readonly(
+          "covariance_px2", [](const TagMeasurement& measurement) { return to_array(measurement.covariance_px2); },
+          "(8, 8) of the corners (u0, v0, u1, v1, ...)")
+      .def_readonly("appearance", &TagMeasurement::appearance);
+  py::enum_<TagRefusal>(m, "TagRefusal", "Why a tag that was looked at is no measurement.")
+      .value("not_found", TagRefusal::not_found)
+      .value("outside_frame", TagRefusal::outside_frame)
+      .value("too_small", TagRefusal::too_small)
+      .value("too_blurred", TagRefusal::too_blurred)
+      .value("hamming", TagRefusal::hamming)
+      .value("margin", TagRefusal::margin)
+      .value("misfit", TagRefusal::misfit);
+  m.def(
+      "look_at_tag",
+      [](const py::array& image, const CameraModel& camera, const std::string& family, int id,
+         const DoubleArray& corners_px, double search_px, const TagDetectorConfig& detector,
+         const TagGates& gates) -> std::variant<TagMeasurement, TagRefusal> {
+        const TagPattern pattern = make_pattern(TagFamily(family), id);
+        const TagLook look =
+            look_at_tag(image_view(image), camera, pattern, homography_from_corners(camera, to_corners(corners_px)), {},
+                        search_px, {detector.max_hamming, detector.min_decision_margin}, gates);
+        if (look.measurement) return *look.measurement;
+        return look.refusal;
+      },
+      "Looks for one known tag at and around (4, 2) corners [px]: a TagMeasurement if it is there and its bits are\n"
+      "right, else the TagRefusal. image: (H, W) uint8.",
+      py::arg("image"), py::kw_only(), py::arg("camera"), py::arg("family") = "tag36h11", py::arg("id"),
+      py::arg("corners_px"), py::arg("search_px") = 0.0,
+      py::arg_v("detector", TagDetectorConfig{}, "TagDetectorConfig()"), py::arg_v("gates", TagGates{}, "TagGates()"));
+
   bind_parameters<LeaderPoseConfig>(m, "LeaderPoseConfig", "Which poses are believed, and how exactly.");
   py::class_<LeaderPose>(m, "LeaderPose", "A pose cMo and how well it explains the corners.")
       .def_property_readonly(
-          "cMo", [](const LeaderPose& pose) { return to_array(pose.cMo); }, "(4, 4)")
-      .def_readonly("reprojection_error_px", &LeaderPose::reprojection_error_px)
+          "cMo", [](const LeaderPose& pose) { return to_array(pose.best.cMo); }, "(4, 4)")
+      .def_property_readonly(
+          "other_cMo",
+          [](const LeaderPose& pose) -> std::optional<py::array_t<double>> {
+            if (!pose.other) return std::nullopt;
+            return to_array(pose.other->cMo);
+          },
+          "(4, 4) of the second planar solution, or None")
+      .def_property_readonly(
+          "squared_error", [](const LeaderPose& pose) { return pose.best.squared_error; },
+          "of the corners, in units of their covariance: chi-squared")
+      .def_property_readonly("reprojection_error_px",
+                             [](const LeaderPose& pose) { return pose.best.reprojection_error_px; })
       .def_readonly("ambiguity_ratio", &LeaderPose::ambiguity_ratio)
       .def_property_readonly(
-          "covariance", [](const LeaderPose& pose) { return to_array(pose.covariance); },
+          "covariance", [](const LeaderPose& pose) { return to_array(pose.best.covariance); },
           "(6, 6) of the twist (v, w) in the camera frame that acts on cMo from the left");
-  m.def("estimate_leader_pose", &estimate_leader_pose,
-        "One pose from all corners of all tags, or None if none converges in front of the camera.", py::kw_only(),
-        py::arg("camera"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{},
-        py::call_guard<py::gil_scoped_release>());
-  m.def("is_credible", &is_credible, "Whether a pose passes the gates of its config.", py::kw_only(), py::arg("pose"),
-        py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
+  m.def(
+      "estimate_leader_pose",
+      [](const CameraModel& camera, const LeaderBody& body, const std::vector<TagSighting>& tags,
+         const LeaderPoseConfig& config) {
+        const TagMeasurements measurements = as_measurements(tags);
+        py::gil_scoped_release unlocked;
+        return estimate_leader_pose(camera, body, measurements, config);
+      },
+      "One pose from all corners of all tags, each with a standard deviation of corner_sigma_px, or None if none\n"
+      "converges in front of the camera.",
+      py::kw_only(), py::arg("camera"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
+  m.def(
+      "judge",
+      [](const LeaderPose& pose, const LeaderBody& body, const std::vector<TagSighting>& tags,
+         const LeaderPoseConfig& config) { return judge(pose.best, body, as_measurements(tags), config); },
+      "Reason.none if a pose passes the gates of its config, else what is wrong with it.", py::kw_only(),
+      py::arg("pose"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
 
+  bind_parameters<HeadingFilterConfig>(m, "HeadingFilterConfig", "How headings change and how long evidence lasts.");
+  bind_parameters<LeaderTrackConfig>(m, "LeaderTrackConfig", "How a leader can move from frame to frame.");
   py::class_<LeaderObserverConfig>(m, "LeaderObserverConfig")
-      .def(py::init([](const TagDetectorConfig& detector, const LeaderPoseConfig& pose) {
-             return LeaderObserverConfig{detector, pose};
+      .def(py::init([](double acquisition_range_m, const TagDetectorConfig& detector, const TagGates& gates,
+                       const LeaderPoseConfig& pose, const HeadingFilterConfig& heading,
+                       const LeaderTrackConfig& track) {
+             return LeaderObserverConfig{acquisition_range_m, detector, gates, pose, heading, track};
            }),
-           py::kw_only(), py::arg("detector") = TagDetectorConfig{}, py::arg("pose") = LeaderPoseConfig{})
+           py::kw_only(), py::arg("acquisition_range_m") = LeaderObserverConfig{}.acquisition_range_m,
+           py::arg("detector") = TagDetectorConfig{}, py::arg("gates") = TagGates{},
+           py::arg("pose") = LeaderPoseConfig{}, py::arg("heading") = HeadingFilterConfig{},
+           py::arg("track") = LeaderTrackConfig{})
+      .def_readwrite("acquisition_range_m", &LeaderObserverConfig::acquisition_range_m)
       .def_readwrite("detector", &LeaderObserverConfig::detector)
-      .def_readwrite("pose", &LeaderObserverConfig::pose);
+      .def_readwrite("gates", &LeaderObserverConfig::gates)
+      .def_readwrite("pose", &LeaderObserverConfig::pose)
+      .def_readwrite("heading", &LeaderObserverConfig::heading)
+      .def_readwrite("track", &LeaderObserverConfig::track);
   py::class_<RejectionCounters>(m, "RejectionCounters", "Everything that was turned away since the start.")
       .def_readonly("frames_invalid", &RejectionCounters::frames_invalid)
       .def_readonly("hamming", &RejectionCounters::hamming)
       .def_readonly("margin", &RejectionCounters::margin)
+      .def_readonly("misfit", &RejectionCounters::misfit)
       .def_readonly("foreign_id", &RejectionCounters::foreign_id)
       .def_readonly("duplicate_id", &RejectionCounters::duplicate_id)
+      .def_readonly("outside_frame", &RejectionCounters::outside_frame)
+      .def_readonly("too_small", &RejectionCounters::too_small)
+      .def_readonly("too_blurred", &RejectionCounters::too_blurred)
+      .def_readonly("size", &RejectionCounters::size)
+      .def_readonly("behind", &RejectionCounters::behind)
+      .def_readonly("jump", &RejectionCounters::jump)
       .def_readonly("pose", &RejectionCounters::pose);
   py::class_<Sight>(m, "Sight", "What one picture says about the leader: an observation, or the reason why none.")
       .def_readonly("observation", &Sight::observation)
       .def_readonly("reason", &Sight::reason);
-  py::class_<LeaderObserver>(m, "LeaderObserver", "Frame in, Observation out.")
+  py::class_<LeaderObserver>(m, "LeaderObserver",
+                             "Frame in, Observation out. It follows the leader from frame to frame.")
       .def(py::init<const CameraModel&, const CameraMounting&, const LeaderBody&, const LeaderObserverConfig&>(),
            py::kw_only(), py::arg("camera"), py::arg("mounting") = CameraMounting{}, py::arg("body"),
            py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"))
       .def("observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>())
+      .def("forget", &LeaderObserver::forget, "The next frame is looked at as if nothing had been seen before.")
       .def_property_readonly(
           "rejected", [](const LeaderObserver& observer) { return observer.rejected(); }, "a copy of the counters");
 }

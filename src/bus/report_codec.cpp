@@ -15,7 +15,7 @@ static_assert(static_cast<int>(Status::coasting) == command_t::STATUS_COASTING);
 static_assert(static_cast<int>(Status::lost) == command_t::STATUS_LOST);
 static_assert(static_cast<int>(Status::stopped) == command_t::STATUS_STOPPED);
 static_assert(static_cast<int>(Status::invalid_input) == command_t::STATUS_INVALID_INPUT);
-constexpr int kLastReason = static_cast<int>(Reason::law_not_finite);
+constexpr int kLastReason = static_cast<int>(Reason::leader_jumped);
 
 std::string words(Status status, Reason reason) {
   std::string text(to_string(status));

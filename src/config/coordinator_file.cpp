@@ -29,6 +29,16 @@ void read_camera(YamlSection root, CoordinatorConfig& config) {
   root.finish();
 }
 
+void read_vision(YamlSection root, vision::LeaderObserverConfig& config) {
+  root.read(config);
+  root.read(config.detector);
+  root.read(config.gates);
+  root.read(config.pose);
+  read_section(root, "heading", config.heading);
+  read_section(root, "track", config.track);
+  root.finish();
+}
+
 void read_control(YamlSection root, control::FollowerConfig& config) {
   read_section(root, "velocity", config.velocity);
   read_section(root, "heading", config.heading);
@@ -54,7 +64,7 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   config.leader = load_leader_body(root.file_path("leader"));
   config.control.law = load_fuzzy_controller(root.file_path("fuzzy"));
   read_section(root, "setpoint", config.setpoint);
-  read_section(root, "vision", config.vision.detector, config.vision.pose);
+  if (root.optional("vision")) read_vision(root.section("vision"), config.vision);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   read_section(root, "safety", config.safety);
   root.finish();

@@ -64,7 +64,10 @@ std::string describe_config() {
          "| `fuzzy` | required | file: fuzzy sets and rules |\n";
   describe_section<CameraMounting>(out, "camera.mounting");
   describe_section<Setpoint>(out, "setpoint");
-  describe_section<vision::TagDetectorConfig, vision::LeaderPoseConfig>(out, "vision");
+  describe_section<vision::LeaderObserverConfig, vision::TagDetectorConfig, vision::TagGates, vision::LeaderPoseConfig>(
+      out, "vision");
+  describe_section<vision::HeadingFilterConfig>(out, "vision.heading");
+  describe_section<vision::LeaderTrackConfig>(out, "vision.track");
   describe_section<control::FuzzyVelocityConfig>(out, "control.velocity");
   describe_section<control::HeadingControllerConfig>(out, "control.heading");
   describe_section<control::LimitsConfig>(out, "control.limits");

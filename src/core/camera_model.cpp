@@ -55,6 +55,10 @@ Eigen::Vector2d project_normalized(const CameraModel& camera, const Eigen::Vecto
   return {camera.fx * distorted.x() + camera.cx, camera.fy * distorted.y() + camera.cy};
 }
 
+Eigen::Matrix2d pixels_from_normalized(const CameraModel& camera, const Eigen::Vector2d& normalized) {
+  return Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() * distort_jacobian(camera, normalized);
+}
+
 std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::Vector3d& point_c) {
   if (!(point_c.z() > 1e-9)) return std::nullopt;
   return project_normalized(camera, Eigen::Vector2d(point_c.head<2>() / point_c.z()));

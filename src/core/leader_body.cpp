@@ -47,6 +47,9 @@ const BodyTag* LeaderBody::find(int id) const {
 
 void LeaderBody::validate() const {
   if (tags.empty()) throw ConfigError("leader.tags", "a leader needs at least one tag");
+  if (tags.size() > kMaxTagsOnBody)
+    throw ConfigError("leader.tags", std::to_string(tags.size()) + " tags; a leader may wear at most " +
+                                         std::to_string(kMaxTagsOnBody));
   std::set<int> ids;
   for (std::size_t i = 0; i < tags.size(); ++i) {
     const std::string section = "leader.tags[" + std::to_string(i) + "]";

@@ -10,4 +10,13 @@ RelativePose relative_pose(const Eigen::Isometry3d& bMo) {
   return {std::hypot(origin.x(), origin.y()), std::atan2(origin.y(), origin.x()), std::atan2(forward.y(), forward.x())};
 }
 
+std::string_view to_string(FoundBy found_by) noexcept {
+  switch (found_by) {
+    case FoundBy::track: return "track";
+    case FoundBy::region: return "region";
+    case FoundBy::frame: return "frame";
+  }
+  return "unknown";
+}
+
 }  // namespace pilotfish

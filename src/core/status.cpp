@@ -31,6 +31,13 @@ std::string_view to_string(Reason reason) noexcept {
     case Reason::frame_stale: return "the frame was too old when it arrived";
     case Reason::told_to_stop: return "told to stop";
     case Reason::law_not_finite: return "the law's output was not finite";
+    case Reason::tag_duplicate: return "a tag of the leader is seen twice";
+    case Reason::tag_outside_frame: return "a tag of the leader is partly outside the picture";
+    case Reason::tag_too_small: return "a tag of the leader is too small to be read";
+    case Reason::tag_too_blurred: return "a tag of the leader is too blurred";
+    case Reason::tag_size_implausible: return "a tag of the leader has a size that it cannot have at any range";
+    case Reason::leader_behind_camera: return "the leader's pose is behind the camera or shows a tag's back";
+    case Reason::leader_jumped: return "the leader is farther from where it was than it can have moved";
   }
   return "unknown";
 }

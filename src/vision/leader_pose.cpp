@@ -1,10 +1,11 @@
 #include "pilotfish/vision/leader_pose.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
-#include <opencv2/calib3d.hpp>
+#include <cmath>
 
 #include "pilotfish/core/angles.hpp"
+#include "planar_pose.hpp"
 #include "virtual_visual_servoing.hpp"
 
 namespace pilotfish::vision {
@@ -12,148 +13,65 @@ namespace {
 
 /// Two minima nearer than this are one: a heading so little different does not matter to anybody.
 constexpr double kSameRotation_rad = radians(3.0);
-/// Errors below are rounding, not measurement; and nobody divides by zero.
-constexpr double kErrorFloor_px = 1e-6;
-
-struct Candidate {
-  LocalMinimum minimum;
-  double reprojection_error_px = 0.0;
-};
+/// An error below is rounding, not measurement; and nobody divides by zero. In squared standard deviations.
+constexpr double kErrorFloor = 1e-6;
 
 /// Nothing if the camera model cannot be inverted there, as outside the circle in which a fitted distortion holds.
-std::optional<PointSighting> undistorted(const CameraModel& camera, const Eigen::Vector3d& point_o,
-                                         const Eigen::Vector2d& pixel) {
-  PointSighting sighting{point_o, pixel, normalize_pixel(camera, pixel), Eigen::Matrix2d::Zero()};
-  const double round_trip_px = (project_normalized(camera, sighting.normalized) - pixel).norm();
-  if (!(round_trip_px < 1e-6)) return std::nullopt;
-  // Central differences: the model is a polynomial of degree 7, so 1e-5 leaves a relative error of about 1e-10.
-  const double h = 1e-5;
-  for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector2d offset = h * Eigen::Vector2d::Unit(axis);
-    sighting.pixels_from_normalized.col(axis) = (project_normalized(camera, sighting.normalized + offset) -
-                                                 project_normalized(camera, sighting.normalized - offset)) /
-                                                (2.0 * h);
+std::optional<SquareSighting> undistorted(const CameraModel& camera, const BodyTag& on_body,
+                                          const TagMeasurement& measurement, double corner_sigma_px) {
+  SquareSighting square;
+  square.corners_o = corners_on_body(on_body);
+  Eigen::Matrix<double, 8, 8> pixels_by_normalized = Eigen::Matrix<double, 8, 8>::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector2d& pixel = measurement.tag.corners_px[i];
+    square.normalized[i] = normalize_pixel(camera, pixel);
+    if (!((project_normalized(camera, square.normalized[i]) - pixel).norm() < 1e-6)) return std::nullopt;
+    pixels_by_normalized.block<2, 2>(2 * i, 2 * i) = pixels_from_normalized(camera, square.normalized[i]);
   }
-  return sighting;
-}
-
-std::optional<std::vector<PointSighting>> match_corners(const CameraModel& camera, const LeaderBody& body,
-                                                        const std::vector<TagSighting>& tags) {
-  std::vector<PointSighting> points;
-  for (const TagSighting& tag : tags) {
-    const BodyTag* on_body = body.find(tag.id);
-    if (on_body == nullptr) return std::nullopt;
-    const std::array<Eigen::Vector3d, 4> corners_o = corners_on_body(*on_body);
-    for (int i = 0; i < 4; ++i) {
-      const std::optional<PointSighting> point = undistorted(camera, corners_o[i], tag.corners_px[i]);
-      if (!point) return std::nullopt;
-      points.push_back(*point);
-    }
-  }
-  return points;
-}
-
-/// The pose of a tag that faces the camera squarely, as large and as turned as it looks.
-Eigen::Isometry3d frontal_pose(const BodyTag& tag, const PointSighting* corners) {
-  const Eigen::Vector2d right =
-      (corners[1].normalized - corners[0].normalized + corners[2].normalized - corners[3].normalized) / 2.0;
-  const Eigen::Vector2d centre =
-      (corners[0].normalized + corners[1].normalized + corners[2].normalized + corners[3].normalized) / 4.0;
-  const double depth_m = tag.size_m / right.norm();
-  Eigen::Isometry3d cMt = Eigen::Isometry3d::Identity();
-  cMt.linear() = Eigen::AngleAxisd(std::atan2(right.y(), right.x()), Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  cMt.translation() = depth_m * Eigen::Vector3d(centre.x(), centre.y(), 1.0);
-  return cMt;
-}
-
-/// Both poses that a plane can have (Collins and Bartoli, "Infinitesimal plane-based pose estimation", 2014),
-/// as cMo. `corners` are the tag's four, in AprilTag's order. That is the order IPPE_SQUARE asks for: it
-/// reads the same numbers (-h, h), (h, h), (h, -h), (-h, -h) with y up where our tag frame has y down, and only the
-/// numbers matter.
-std::vector<Eigen::Isometry3d> planar_poses(const BodyTag& tag, const PointSighting* corners) {
-  const double h = tag.size_m / 2.0;
-  const std::array<cv::Point3d, 4> square = {cv::Point3d(-h, h, 0), {h, h, 0}, {h, -h, 0}, {-h, -h, 0}};
-  std::array<cv::Point2d, 4> seen;
-  for (int i = 0; i < 4; ++i) seen[i] = {corners[i].normalized.x(), corners[i].normalized.y()};
-  std::vector<cv::Mat> rotations, translations;
-  try {
-    cv::solvePnPGeneric(square, seen, cv::Matx33d::eye(), cv::noArray(), rotations, translations, false,
-                        cv::SOLVEPNP_IPPE_SQUARE);
-  } catch (const cv::Exception&) {
-    // Four corners that no square can have: collinear, or on one point. The gates will see to them.
-  }
-  const Eigen::Isometry3d tMo = body_from_tag(tag).inverse();
-  std::vector<Eigen::Isometry3d> poses;
-  for (std::size_t i = 0; i < rotations.size(); ++i) {
-    const cv::Vec3d r = rotations[i], t = translations[i];
-    const Eigen::Vector3d rotation_vector(r[0], r[1], r[2]);
-    const double angle = rotation_vector.norm();
-    Eigen::Isometry3d cMt = Eigen::Isometry3d::Identity();
-    if (angle > 0.0) cMt.linear() = Eigen::AngleAxisd(angle, rotation_vector / angle).toRotationMatrix();
-    cMt.translation() = Eigen::Vector3d(t[0], t[1], t[2]);
-    if (cMt.matrix().allFinite()) poses.push_back(cMt * tMo);
-  }
-  // OpenCV's solution is NaN for a tag that faces the camera exactly squarely, which is our nominal view: the
-  // root of a number that rounding made negative.
-  if (poses.empty()) poses.push_back(frontal_pose(tag, corners) * tMo);
-  return poses;
+  Matrix8d covariance = measurement.covariance_px2;
+  covariance.diagonal().array() += corner_sigma_px * corner_sigma_px + 1e-12;
+  const Eigen::LLT<Matrix8d> cholesky(covariance);
+  if (cholesky.info() != Eigen::Success) return std::nullopt;
+  square.whitening = cholesky.matrixL().solve(pixels_by_normalized);
+  return square;
 }
 
 /// With the whole camera model, in the picture as it is. All points are in front of the camera.
-double rms_error_px(const CameraModel& camera, const Eigen::Isometry3d& cMo, const std::vector<PointSighting>& points) {
+double rms_error_px(const CameraModel& camera, const Eigen::Isometry3d& cMo, const SquareSightings& squares,
+                    const TagMeasurements& tags) {
   double sum = 0.0;
-  for (const PointSighting& point : points)
-    sum += (project(camera, cMo * point.point_o).value() - point.pixel).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(points.size()));
-}
-
-std::vector<Candidate> local_minima(const CameraModel& camera, const LeaderBody& body,
-                                    const std::vector<TagSighting>& tags, const std::vector<PointSighting>& points) {
-  std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < tags.size(); ++i) {
-    for (const Eigen::Isometry3d& start : planar_poses(*body.find(tags[i].id), &points[4 * i])) {
-      const std::optional<LocalMinimum> minimum = servo_virtually(start, points);
-      if (minimum) candidates.push_back({*minimum, rms_error_px(camera, minimum->cMo, points)});
+  for (std::size_t k = 0; k < squares.size(); ++k)
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector3d point_c = cMo * squares[k].corners_o[i];
+      const Eigen::Vector2d seen = project_normalized(camera, point_c.head<2>() / point_c.z());
+      sum += (seen - tags[k].tag.corners_px[i]).squaredNorm();
     }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return a.reprojection_error_px < b.reprojection_error_px;
-  });
-  return candidates;
+  return std::sqrt(sum / (4.0 * static_cast<double>(squares.size())));
 }
 
-double ambiguity_ratio(const std::vector<Candidate>& best_first) {
-  const Candidate& best = best_first.front();
-  for (const Candidate& other : best_first) {
-    const Eigen::AngleAxisd turn(best.minimum.cMo.linear().transpose() * other.minimum.cMo.linear());
-    if (turn.angle() < kSameRotation_rad) continue;
-    const double ratio =
-        std::max(other.reprojection_error_px, kErrorFloor_px) / std::max(best.reprojection_error_px, kErrorFloor_px);
-    return std::min(ratio, kMaxAmbiguityRatio);
-  }
-  return kMaxAmbiguityRatio;
-}
-
-std::optional<LeaderPose> estimate(const CameraModel& camera, const LeaderBody& body,
-                                   const std::vector<TagSighting>& tags, const LeaderPoseConfig& config) {
-  const std::optional<std::vector<PointSighting>> points = match_corners(camera, body, tags);
-  if (!points) return std::nullopt;
-  const std::vector<Candidate> candidates = local_minima(camera, body, tags, *points);
-  if (candidates.empty()) return std::nullopt;
-  const Candidate& best = candidates.front();
-
-  // Independent noise of sigma on each corner coordinate reaches the pose as sigma^2 (J^T J)^-1. The step of
-  // the virtual camera is minus the twist that acts on cMo: a sign that a covariance does not see.
-  const Eigen::LLT<Matrix6d> information(best.minimum.information);
+std::optional<PoseSolution> solve(const Eigen::Isometry3d& start, const CameraModel& camera,
+                                  const SquareSightings& squares, const TagMeasurements& tags) {
+  const std::optional<LocalMinimum> minimum = servo_virtually(start, squares);
+  if (!minimum) return std::nullopt;
+  // The corners' noise reaches the pose as (J^T J)^-1. The step of the virtual camera is minus the twist that acts on
+  // cMo: a sign that a covariance does not see.
+  const Eigen::LLT<Matrix6d> information(minimum->information);
   if (information.info() != Eigen::Success) return std::nullopt;
-  LeaderPose pose;
-  pose.cMo = best.minimum.cMo;
-  pose.reprojection_error_px = best.reprojection_error_px;
-  pose.ambiguity_ratio = ambiguity_ratio(candidates);
-  pose.covariance = config.corner_sigma_px * config.corner_sigma_px * information.solve(Matrix6d::Identity());
-  if (!pose.cMo.matrix().allFinite() || !pose.covariance.allFinite() || !std::isfinite(pose.reprojection_error_px))
+  PoseSolution solution{minimum->cMo, information.solve(Matrix6d::Identity()), minimum->squared_error,
+                        rms_error_px(camera, minimum->cMo, squares, tags)};
+  if (!solution.cMo.matrix().allFinite() || !solution.covariance.allFinite() ||
+      !std::isfinite(solution.reprojection_error_px))
     return std::nullopt;
-  return pose;
+  return solution;
+}
+
+bool are_the_same(const PoseSolution& a, const PoseSolution& b) {
+  return Eigen::AngleAxisd(a.cMo.linear().transpose() * b.cMo.linear()).angle() < kSameRotation_rad;
+}
+
+double area_px2(const TagSighting& tag) {
+  const Eigen::Vector2d a = tag.corners_px[2] - tag.corners_px[0], b = tag.corners_px[3] - tag.corners_px[1];
+  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
 }
 
 }  // namespace
@@ -162,35 +80,70 @@ const std::vector<Parameter<LeaderPoseConfig>>& LeaderPoseConfig::parameters() {
   static const std::vector<Parameter<LeaderPoseConfig>> table = {
       {"max_reprojection_error_px", &LeaderPoseConfig::max_reprojection_error_px, 0.01, 100.0,
        "RMS distance between seen and projected corners above which a pose is refused"},
-      {"corner_sigma_px", &LeaderPoseConfig::corner_sigma_px, 0.001, 10.0,
-       "standard deviation of one corner coordinate, from which the covariance is made"},
+      {"corner_sigma_px", &LeaderPoseConfig::corner_sigma_px, 0.0, 10.0,
+       "standard deviation of each corner coordinate that is added to its measured noise: what the calibration and the "
+       "printer get wrong"},
+      {"min_distance_m", &LeaderPoseConfig::min_distance_m, 0.01, 1000.0,
+       "camera to tag; a tag that looks so large that it is nearer is refused"},
       {"max_distance_m", &LeaderPoseConfig::max_distance_m, 0.1, 1000.0,
-       "camera to tag; a pose farther away is refused"},
+       "camera to tag; a tag that looks so small that it is farther away is refused"},
   };
   return table;
 }
 
 std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const LeaderBody& body,
-                                               const std::vector<TagSighting>& tags,
-                                               const LeaderPoseConfig& config) noexcept {
-  try {
-    return estimate(camera, body, tags, config);
-  } catch (...) {
-    return std::nullopt;
+                                               const TagMeasurements& tags, const LeaderPoseConfig& config,
+                                               const std::optional<Eigen::Isometry3d>& guess) noexcept {
+  SquareSightings squares;
+  const BodyTag* largest = nullptr;
+  const TagSighting* largest_seen = nullptr;
+  for (const TagMeasurement& measurement : tags) {
+    const BodyTag* on_body = body.find(measurement.tag.id);
+    if (on_body == nullptr) return std::nullopt;
+    const std::optional<SquareSighting> square = undistorted(camera, *on_body, measurement, config.corner_sigma_px);
+    if (!square) return std::nullopt;
+    squares.push_back(*square);
+    if (largest_seen == nullptr || area_px2(measurement.tag) > area_px2(*largest_seen)) {
+      largest = on_body;
+      largest_seen = &measurement.tag;
+    }
   }
+  if (squares.empty()) return std::nullopt;
+
+  const Eigen::Isometry3d oMt = body_from_tag(*largest);
+  std::optional<PoseSolution> first;
+  if (guess) first = solve(*guess, camera, squares, tags);
+  if (!first) {
+    const Eigen::Matrix3d nHt = homography_from_corners(camera, largest_seen->corners_px);
+    if (!nHt.allFinite()) return std::nullopt;
+    first = solve(pose_from_homography(nHt, largest->size_m) * oMt.inverse(), camera, squares, tags);
+  }
+  if (!first) return std::nullopt;
+  std::optional<PoseSolution> second =
+      solve(mirrored_about_line_of_sight(first->cMo * oMt) * oMt.inverse(), camera, squares, tags);
+  if (second && are_the_same(*first, *second)) second.reset();
+  if (second && second->squared_error < first->squared_error) std::swap(*first, *second);
+
+  LeaderPose pose{*first, second, kMaxAmbiguityRatio};
+  if (second)
+    pose.ambiguity_ratio = std::min(kMaxAmbiguityRatio, std::sqrt(std::max(second->squared_error, kErrorFloor) /
+                                                                  std::max(first->squared_error, kErrorFloor)));
+  return pose;
 }
 
-bool is_credible(const LeaderPose& pose, const LeaderBody& body, const std::vector<TagSighting>& tags,
-                 const LeaderPoseConfig& config) noexcept {
-  if (!(pose.reprojection_error_px <= config.max_reprojection_error_px)) return false;
-  return std::all_of(tags.begin(), tags.end(), [&](const TagSighting& tag) {
-    const BodyTag* on_body = body.find(tag.id);
-    if (on_body == nullptr) return false;
+Reason judge(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
+             const LeaderPoseConfig& config) noexcept {
+  for (const TagMeasurement& measurement : tags) {
+    const BodyTag* on_body = body.find(measurement.tag.id);
+    if (on_body == nullptr) return Reason::pose_refused;
     const Eigen::Isometry3d cMt = pose.cMo * body_from_tag(*on_body);
-    const Eigen::Vector3d centre_c = cMt.translation(), into_wall_c = cMt.linear().col(2);
-    const bool printed_side_seen = into_wall_c.dot(centre_c) > 0.0;
-    return centre_c.z() > 0.0 && printed_side_seen && centre_c.norm() <= config.max_distance_m;
-  });
+    const Eigen::Vector3d middle_c = cMt.translation(), into_wall_c = cMt.linear().col(2);
+    const bool printed_side_seen = into_wall_c.dot(middle_c) > 0.0;
+    if (!(middle_c.z() > 0.0) || !printed_side_seen) return Reason::leader_behind_camera;
+    const double range_m = middle_c.norm();
+    if (!(range_m >= config.min_distance_m && range_m <= config.max_distance_m)) return Reason::tag_size_implausible;
+  }
+  return pose.reprojection_error_px <= config.max_reprojection_error_px ? Reason::none : Reason::pose_refused;
 }
 
 }  // namespace pilotfish::vision

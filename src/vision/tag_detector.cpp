@@ -15,6 +15,9 @@ namespace {
 /// the quads back, so that 2.5 puts them 25 % off.
 constexpr double kDecimations[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 
+/// Below so many pixels a cell, on the decimated picture, libapriltag misses quads (docs/vision.md).
+constexpr double kLeastCell_px = 1.8;
+
 /// Its blur writes before the first pixel of a row once half its kernel, int(4 sigma) | 1 wide, exceeds the
 /// row. The shortest row is kMinFrameSide / 4 = 4 px, which bears 7 taps: sigma < 2.
 constexpr double kMaxBlurSigmaPx = 1.9;
@@ -60,8 +63,8 @@ bool is_finite(const TagSighting& tag) {
 
 const std::vector<Parameter<TagDetectorConfig>>& TagDetectorConfig::parameters() {
   static const std::vector<Parameter<TagDetectorConfig>> table = {
-      {"decimation", &TagDetectorConfig::decimation, 1.0, 4.0,
-       "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; edges are refined at full size"},
+      {"decimation", &TagDetectorConfig::decimation, 0.0, 4.0,
+       "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; 0: as acquisition_range_m allows"},
       {"max_hamming", &TagDetectorConfig::max_hamming, 0, 2, "corrected bits that are still believed"},
       {"min_decision_margin", &TagDetectorConfig::min_decision_margin, 0.0, 255.0,
        "mean contrast of a tag's bits, in gray levels, below which it is refused"},
@@ -92,9 +95,10 @@ struct TagDetector::Library {
 
 TagDetector::TagDetector(const std::string& family, const TagDetectorConfig& config) : config_(config) {
   check_ranges(config, "vision");
-  if (std::find(std::begin(kDecimations), std::end(kDecimations), config.decimation) == std::end(kDecimations))
-    throw ConfigError("vision.decimation", std::to_string(config.decimation) + " is not one of 1, 1.5, 2, 3, 4");
-  library_ = std::make_unique<Library>(family, config);
+  if (config_.decimation == 0.0) config_.decimation = 1.0;
+  if (std::find(std::begin(kDecimations), std::end(kDecimations), config_.decimation) == std::end(kDecimations))
+    throw ConfigError("vision.decimation", std::to_string(config.decimation) + " is not one of 0, 1, 1.5, 2, 3, 4");
+  library_ = std::make_unique<Library>(family, config_);
 }
 
 TagDetector::~TagDetector() = default;
@@ -103,22 +107,23 @@ TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
 int TagDetector::family_size() const { return library_->family.size(); }
 
-Detections TagDetector::detect(const ImageView& image) noexcept {
+Detections TagDetector::detect(const ImageView& image, double decimation) noexcept {
   Detections refused;
   refused.input = check(image);
   if (refused.input != Reason::none) return refused;
   try {
-    return detect_checked(image);
+    return detect_checked(image, decimation);
   } catch (...) {  // only memory can run out here
     refused.input = Reason::frame_too_large;
     return refused;
   }
 }
 
-Detections TagDetector::detect_checked(const ImageView& image) {
+Detections TagDetector::detect_checked(const ImageView& image, double decimation) {
+  library_->detector->quad_decimate = static_cast<float>(decimation);
   // libapriltag takes a non-const buffer. It only reads it, with two exceptions: its blur writes into it when
   // there is no decimation, and its `y * stride` is an int, which a very long stride would overflow.
-  const bool would_be_written = config_.blur_sigma_px > 0.0 && config_.decimation == 1.0;
+  const bool would_be_written = config_.blur_sigma_px > 0.0 && decimation == 1.0;
   const bool would_overflow = static_cast<std::int64_t>(image.stride_bytes) * image.height > INT_MAX;
   std::uint8_t* pixels = const_cast<std::uint8_t*>(image.data);
   int stride_bytes = image.stride_bytes;
@@ -158,6 +163,13 @@ Detections TagDetector::detect_checked(const ImageView& image) {
             [&key](const TagSighting& a, const TagSighting& b) { return key(a) < key(b); });
   std::sort(result.refused_ids.begin(), result.refused_ids.end());
   return result;
+}
+
+double decimation_for(double cell_px) noexcept {
+  double largest = kDecimations[0];
+  for (double decimation : kDecimations)
+    if (cell_px >= kLeastCell_px * decimation) largest = decimation;
+  return largest;
 }
 
 }  // namespace pilotfish::vision

@@ -1,97 +1,119 @@
 #include "virtual_visual_servoing.hpp"
 
-#include <visp3/core/vpExponentialMap.h>
-#include <visp3/visual_features/vpFeaturePoint.h>
+#include <algorithm>
+#include <cmath>
 
-// Virtual visual servoing (Marchand and Chaumette, "Virtual visual servoing: a framework for real-time
-// augmented reality", 2002): pose computation as the visual servoing of a virtual camera. With s(cMo) the
-// projected points on the plane Z = 1 and s* the measured ones, the camera's velocity v changes the features
-// by ds = L v, where for one point (Chaumette and Hutchinson, "Visual servo control I", 2006, eq. 11)
+// Virtual visual servoing (Marchand and Chaumette, "Virtual visual servoing: a framework for real-time augmented
+// reality", 2002): pose computation as the visual servoing of a virtual camera. With s(cMo) the projected points on the
+// plane Z = 1 and s* the measured ones, the camera's velocity v changes the features by ds = L v, where for one point
+// (Chaumette and Hutchinson, "Visual servo control I", 2006, eq. 11)
 //
 //   L = [ -1/Z   0    x/Z   x y      -(1 + x^2)   y ]
 //       [  0    -1/Z  y/Z   1 + y^2  -x y        -x ]
 //
-// which is vpFeaturePoint::interaction(). We want the error in pixels, e = W (s - s*) with W the derivative
-// of the pixel by the normalised point, taken once, at s*: diag(fx, fy), times the derivative of the
-// distortion. (So the distortion is treated as linear over the residual: exact without distortion, and off by
-// the residual times the distortion's curvature otherwise: 1e-3 of a one-pixel residual for k1 = -0.3.) With
-// J = W L the step is
+// The error counts in standard deviations of the corners, e = A (s - s*), with A the whitening of SquareSighting (which
+// treats the distortion as linear over the residual: off by the residual times the distortion's curvature). With J = A
+// L the step is
 //
-//   v = -(J^T J + lambda diag(J^T J))^-1 J^T e,      cMo <- exp(v)^-1 cMo
+//   v = -(J^T J + lambda diag(J^T J))^-1 J^T e,      cMo <- exp(v)^-1 cMo.
 //
-// with exp = vpExponentialMap::direct().
-//
-// Levenberg's lambda makes every accepted step go downhill, so that it converges from far; towards the end
-// lambda vanishes and the step is Gauss-Newton's.
+// Levenberg's lambda makes every accepted step go downhill, so that it converges from far; towards the end lambda
+// vanishes and the step is Gauss-Newton's. ViSP computes the same; we write L out because ViSP's matrices ask for
+// memory.
 
 namespace pilotfish::vision {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
 constexpr double kNearest_m = 1e-3;  ///< nothing is seen closer to the camera than this
 constexpr int kMaxIterations = 100;
 constexpr double kMaxDamping = 1e9;
+/// A step that promises less squared error than this, in squared standard deviations, is none: a millionth of a sigma.
+constexpr double kAtRest = 1e-12;
 
 struct NormalEquations {
-  Matrix6d information = Matrix6d::Zero();  ///< sum of J^T J
-  Vector6d gradient = Vector6d::Zero();     ///< sum of J^T e
-  double squared_error = 0.0;               ///< [px^2]
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  double squared_error = 0.0;
 };
 
-/// Nothing if a point is not in front of the camera.
-std::optional<NormalEquations> linearize(const Eigen::Isometry3d& cMo, const std::vector<PointSighting>& points) {
+/// Nothing if a corner is not in front of the camera.
+std::optional<NormalEquations> linearize(const Eigen::Isometry3d& cMo, const SquareSightings& squares) {
   NormalEquations sum;
-  vpFeaturePoint feature;
-  for (const PointSighting& point : points) {
-    const Eigen::Vector3d point_c = cMo * point.point_o;
-    if (!(point_c.z() > kNearest_m)) return std::nullopt;
-    const Eigen::Vector2d projected = point_c.head<2>() / point_c.z();
-    feature.set_xyZ(projected.x(), projected.y(), point_c.z());
-    const vpMatrix interaction = feature.interaction();
-    const Eigen::Map<const Eigen::Matrix<double, 2, 6, Eigen::RowMajor>> L(interaction.data);
-    const Eigen::Matrix<double, 2, 6> jacobian = point.pixels_from_normalized * L;
-    const Eigen::Vector2d error = point.pixels_from_normalized * (projected - point.normalized);
-    sum.information += jacobian.transpose() * jacobian;
-    sum.gradient += jacobian.transpose() * error;
+  for (const SquareSighting& square : squares) {
+    Eigen::Matrix<double, 8, 6> L;
+    Eigen::Matrix<double, 8, 1> difference;
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector3d point_c = cMo * square.corners_o[i];
+      if (!(point_c.z() > kNearest_m)) return std::nullopt;
+      const double Z = point_c.z(), x = point_c.x() / Z, y = point_c.y() / Z;
+      L.row(2 * i) << -1.0 / Z, 0.0, x / Z, x * y, -(1.0 + x * x), y;
+      L.row(2 * i + 1) << 0.0, -1.0 / Z, y / Z, 1.0 + y * y, -x * y, -x;
+      difference.segment<2>(2 * i) = Eigen::Vector2d(x, y) - square.normalized[i];
+    }
+    const Eigen::Matrix<double, 8, 6> J = square.whitening * L;
+    const Eigen::Matrix<double, 8, 1> error = square.whitening * difference;
+    sum.information.noalias() += J.transpose() * J;
+    sum.gradient.noalias() += J.transpose() * error;
     sum.squared_error += error.squaredNorm();
   }
   return sum;
 }
 
-Eigen::Isometry3d moved(const Eigen::Isometry3d& cMo, const Vector6d& camera_step) {
-  vpColVector v(6);
-  for (unsigned int i = 0; i < 6; ++i) v[i] = camera_step[i];
-  const vpHomogeneousMatrix step = vpExponentialMap::direct(v);
-  Eigen::Isometry3d old_from_new = Eigen::Isometry3d::Identity();
-  old_from_new.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(step.data);
-  return old_from_new.inverse() * cMo;
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return matrix;
+}
+
+/// V with translation = V v: I + (1 - cos a) / a^2 [w] + (a - sin a) / a^3 [w]^2.
+Eigen::Matrix3d translation_factor(const Eigen::Vector3d& w) {
+  const double a2 = w.squaredNorm(), a = std::sqrt(a2);
+  const double b = a < 1e-4 ? 0.5 - a2 / 24.0 : (1.0 - std::cos(a)) / a2;
+  const double c = a < 1e-4 ? 1.0 / 6.0 - a2 / 120.0 : (a - std::sin(a)) / (a2 * a);
+  const Eigen::Matrix3d W = cross_matrix(w);
+  return Eigen::Matrix3d::Identity() + b * W + c * W * W;
 }
 
 }  // namespace
 
-std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const std::vector<PointSighting>& points) {
+Eigen::Isometry3d exponential(const Vector6d& twist) {
+  const Eigen::Vector3d w = twist.tail<3>();
+  const double angle = w.norm();
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  if (angle > 0.0) motion.linear() = Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+  motion.translation() = translation_factor(w) * twist.head<3>();
+  return motion;
+}
+
+Vector6d logarithm(const Eigen::Isometry3d& motion) {
+  const Eigen::AngleAxisd turn(motion.linear());
+  Vector6d twist;
+  twist.tail<3>() = turn.angle() * turn.axis();
+  twist.head<3>() = translation_factor(twist.tail<3>()).inverse() * motion.translation();
+  return twist;
+}
+
+std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const SquareSightings& squares) {
   Eigen::Isometry3d cMo = start;
-  std::optional<NormalEquations> here = linearize(cMo, points);
+  std::optional<NormalEquations> here = linearize(cMo, squares);
   if (!here) return std::nullopt;
-  double damping = 1e-3;
+  double damping = 1e-6;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     Matrix6d damped = here->information;
     damped.diagonal() *= 1.0 + damping;
     const Vector6d step = -damped.ldlt().solve(here->gradient);
     if (!step.allFinite()) return std::nullopt;
-    // At rest when the step promises less than a millionth of a pixel, or when not even the smallest one goes downhill.
-    const bool at_rest = -step.dot(here->gradient) < 1e-12 || damping > kMaxDamping;
-    if (at_rest) return LocalMinimum{cMo, here->information};
+    const bool at_rest = -step.dot(here->gradient) < kAtRest || damping > kMaxDamping;
+    if (at_rest) return LocalMinimum{cMo, here->information, here->squared_error};
 
-    const Eigen::Isometry3d there_cMo = moved(cMo, step);
-    const std::optional<NormalEquations> there = linearize(there_cMo, points);
+    const Eigen::Isometry3d there_cMo = exponential(step).inverse() * cMo;
+    const std::optional<NormalEquations> there = linearize(there_cMo, squares);
     if (there && there->squared_error < here->squared_error) {
       cMo = there_cMo;
       here = there;
       damping = std::max(damping / 10.0, 1e-12);
     } else {
-      damping *= 10.0;
+      damping = std::max(damping * 10.0, 1e-4);
     }
   }
   return std::nullopt;

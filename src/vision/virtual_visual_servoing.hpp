@@ -1,30 +1,41 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
-#include <vector>
+
+#include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/core/leader_body.hpp"
 
 namespace pilotfish::vision {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// A point of the body and where it was seen.
-struct PointSighting {
-  Eigen::Vector3d point_o;                 ///< [m], in the body's frame
-  Eigen::Vector2d pixel;                   ///< in the picture as it is
-  Eigen::Vector2d normalized;              ///< the same, undistorted, on the plane Z = 1
-  Eigen::Matrix2d pixels_from_normalized;  ///< derivative of the pixel by the normalised point, at that point
+/// One tag of the body and where its corners were seen.
+struct SquareSighting {
+  std::array<Eigen::Vector3d, 4> corners_o;   ///< [m], in the body's frame
+  std::array<Eigen::Vector2d, 4> normalized;  ///< as seen, undistorted, on the plane Z = 1
+  /// Takes the eight differences on that plane to eight numbers with independent unit noise: L^-1 W, with L L^T the
+  /// covariance of the corners in pixels and W the derivative of pixels by normalised points.
+  Eigen::Matrix<double, 8, 8> whitening;
 };
+using SquareSightings = BoundedVector<SquareSighting, kMaxTagsOnBody>;
 
 /// The bottom of one valley of the squared error.
 struct LocalMinimum {
-  Eigen::Isometry3d cMo;
-  Matrix6d information;  ///< sum of J^T J in pixels: the inverse covariance of the twist for corners with
-                         ///< unit noise
+  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
+  Matrix6d information = Matrix6d::Zero();  ///< J^T J: the inverse covariance of the twist
+  double squared_error = 0.0;               ///< whitened: chi-squared with 8 tags - 6 degrees of freedom
 };
 
-/// Moves a virtual camera from `start` until the points are where they were seen. Nothing if it does not come
-/// to rest with all points in front of it.
-std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const std::vector<PointSighting>& points);
+/// Moves a virtual camera from `start` until the corners are where they were seen. Nothing if it does not come to rest
+/// with all corners in front of it. Never allocates.
+std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const SquareSightings& squares);
+
+/// exp of the twist (v, w): the motion with constant velocity v and turn rate w for one unit of time.
+Eigen::Isometry3d exponential(const Vector6d& twist);
+/// The inverse of exponential(), for turns below pi.
+Vector6d logarithm(const Eigen::Isometry3d& motion);
 
 }  // namespace pilotfish::vision

@@ -78,8 +78,8 @@ def test_the_longest_state_messages_fit_into_one_datagram(link):
     assert sizes["STATUS"] > 56 * 8 + 16 * 37
 
 
-def test_more_tags_and_counters_than_the_limit_do_not_make_a_message_longer(link):
-    observation = core.Observation(utime=1, distance_m=1.0, tags=[worst_tag(i) for i in range(20)])
+def test_all_tags_of_a_body_fit_and_more_counters_than_the_limit_do_not_make_a_message_longer(link):
+    observation = core.Observation(utime=1, distance_m=1.0, tags=[worst_tag(i) for i in range(12)])
     data = link.catch(
         "R1_OBSERVATION",
         lambda: link.bus.publish_observation("r1", bus.ObservationReport(utime=1, observation=observation)),

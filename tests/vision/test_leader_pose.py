@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pinhole_drawing import corners_px, leader_pose, pose, rotation
 
-from pilotfish.core import BodyTag, CameraModel, LeaderBody, TagSighting
-from pilotfish.vision import LeaderPoseConfig, estimate_leader_pose, is_credible
+from pilotfish.core import BodyTag, CameraModel, LeaderBody, Reason, TagSighting
+from pilotfish.vision import LeaderPoseConfig, estimate_leader_pose, judge
 
 PINHOLE = CameraModel(width=640, height=480, fx=600, fy=610, cx=319.5, cy=239.5)
 WIDE = CameraModel(
@@ -160,7 +160,7 @@ def test_what_cannot_be_a_leader_gives_no_pose(tags):
 def test_corners_that_no_square_can_have_give_no_credible_pose(corners):
     tags = [sighting(corners)]
     estimate = estimate_leader_pose(camera=PINHOLE, body=SINGLE, tags=tags)
-    assert estimate is None or not is_credible(pose=estimate, body=SINGLE, tags=tags)
+    assert estimate is None or judge(pose=estimate, body=SINGLE, tags=tags) != Reason.none
 
 
 def test_the_gates_are_reprojection_error_and_distance():
@@ -168,14 +168,15 @@ def test_the_gates_are_reprojection_error_and_distance():
     tags = sightings(PINHOLE, SINGLE, cMo, sigma_px=0.5, rng=np.random.default_rng(8))
     estimate = estimate_leader_pose(camera=PINHOLE, body=SINGLE, tags=tags)
     error = estimate.reprojection_error_px
-    for config, credible in [
-        (LeaderPoseConfig(), True),
-        (LeaderPoseConfig(max_reprojection_error_px=error * 1.01), True),
-        (LeaderPoseConfig(max_reprojection_error_px=error * 0.99), False),
-        (LeaderPoseConfig(max_distance_m=2.0), True),  # the tag is 0.2 m nearer than the leader's origin
-        (LeaderPoseConfig(max_distance_m=1.6), False),
+    for config, reason in [
+        (LeaderPoseConfig(), Reason.none),
+        (LeaderPoseConfig(max_reprojection_error_px=error * 1.01), Reason.none),
+        (LeaderPoseConfig(max_reprojection_error_px=error * 0.99), Reason.pose_refused),
+        (LeaderPoseConfig(max_distance_m=2.0), Reason.none),  # the tag is 0.2 m nearer than the leader's origin
+        (LeaderPoseConfig(max_distance_m=1.6), Reason.tag_size_implausible),
+        (LeaderPoseConfig(min_distance_m=2.0), Reason.tag_size_implausible),
     ]:
-        assert is_credible(pose=estimate, body=SINGLE, tags=tags, config=config) is credible
+        assert judge(pose=estimate, body=SINGLE, tags=tags, config=config) == reason
 
 
 def test_an_estimate_is_the_same_bits_every_time():

@@ -188,7 +188,7 @@ def test_a_configuration_that_cannot_work_is_refused_by_its_key(family, config, 
         TagDetector(family, config=TagDetectorConfig(**config))
 
 
-@pytest.mark.parametrize(("key", "value"), [("decimation", 0.5), ("max_hamming", 3), ("blur_sigma_px", float("nan"))])
+@pytest.mark.parametrize(("key", "value"), [("decimation", 4.5), ("max_hamming", 3), ("blur_sigma_px", float("nan"))])
 def test_a_parameter_out_of_range_is_refused_by_its_key(key, value):
     with pytest.raises(ValueError, match=f"^{key}: "):
         TagDetectorConfig(**{key: value})

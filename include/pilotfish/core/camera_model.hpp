@@ -28,6 +28,8 @@ struct CameraModel {
 
 /// Normalised image-plane point (x, y) at Z = 1, undistorted, to pixels.
 Eigen::Vector2d project_normalized(const CameraModel& camera, const Eigen::Vector2d& normalized);
+/// Its derivative there: (du, dv) per (dx, dy).
+Eigen::Matrix2d pixels_from_normalized(const CameraModel& camera, const Eigen::Vector2d& normalized);
 /// Point in the camera frame [m] to pixels; nothing if it is not in front of the camera (Z <= 0).
 std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::Vector3d& point_c);
 /// Pixels to the undistorted normalised image plane, by Newton's method on the distortion polynomial (error below 1e-10

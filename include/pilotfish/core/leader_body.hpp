@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,10 @@ Eigen::Isometry3d body_from_tag(const BodyTag& tag);
 /// top right, top left, as one reads the tag.
 std::array<Eigen::Vector3d, 4> corners_on_body(const BodyTag& tag);
 
+/// How many tags a body may wear: enough for two on each of six faces. What goes through the control loop has room for
+/// so many and asks for no memory.
+inline constexpr std::size_t kMaxTagsOnBody = 12;
+
 /// A leader: the tags it wears and where. The poses of all of them refer to its base origin, between the wheels.
 struct LeaderBody {
   std::string name = "leader";
@@ -35,7 +40,7 @@ struct LeaderBody {
   std::vector<BodyTag> tags;
 
   const BodyTag* find(int id) const;  ///< nullptr if the body does not wear that id
-  /// Throws ConfigError: no tag, an id twice, a number out of range.
+  /// Throws ConfigError: no tag, more than kMaxTagsOnBody, an id twice, a number out of range.
   void validate() const;
 };
 

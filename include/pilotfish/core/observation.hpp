@@ -3,7 +3,11 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <optional>
+#include <string_view>
+
+#include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/core/leader_body.hpp"
 
 namespace pilotfish {
 
@@ -15,29 +19,54 @@ struct TagSighting {
   std::array<Eigen::Vector2d, 4> corners_px;  ///< bottom left, bottom right, top right, top left, as one reads the tag
 };
 
-/// The leader, measured in one frame. It exists only if every check passed.
-struct Observation {
-  std::int64_t utime = 0;    ///< exposure of the frame [us]
+inline constexpr double kMaxAmbiguityRatio = 1e6;
+
+/// The leader's base origin relative to the coordinator's.
+struct RelativePose {
   double distance_m = 0.0;   ///< d = hypot(x, y) of the leader's base origin in the coordinator's base frame
   double bearing_rad = 0.0;  ///< theta = atan2(y, x), positive: to the left
   double heading_rad = 0.0;  ///< psi: the leader's heading relative to the coordinator's
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();   ///< of (distance_m, bearing_rad, heading_rad)
-  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame
-  double reprojection_error_px = 0.0;                     ///< RMS over all corners used
-  /// Reprojection error of the other planar solution over this one's (>= 1). Near 1 the heading cannot be told from one
-  /// picture; with tags in more than one plane it is infinite in principle and capped at kMaxAmbiguityRatio.
-  double ambiguity_ratio = 1.0;
-  double min_decision_margin = 0.0;  ///< of the tags used
-  std::vector<TagSighting> tags;
 };
-
-inline constexpr double kMaxAmbiguityRatio = 1e6;
-
-/// The leader's base origin relative to the coordinator's, from its pose: the single place where d, theta, psi are
-/// read.
-struct RelativePose {
-  double distance_m = 0.0, bearing_rad = 0.0, heading_rad = 0.0;
-};
+/// The single place where d, theta, psi are read from a pose.
 RelativePose relative_pose(const Eigen::Isometry3d& bMo);
+
+/// How the leader's tags were found in a frame.
+enum class FoundBy : std::uint8_t {
+  track,   ///< where the motion so far said they would be
+  region,  ///< by a detection around that place
+  frame,   ///< by a detection in the whole frame
+};
+
+std::string_view to_string(FoundBy found_by) noexcept;
+
+/// What one frame says by itself, with the planar solution that the headings so far speak for.
+struct RelativeMeasurement {
+  RelativePose pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (distance_m, bearing_rad, heading_rad)
+};
+
+/// The leader, measured in one frame. It exists only if every check passed.
+struct Observation {
+  std::int64_t utime = 0;  ///< exposure of the frame [us]
+  /// The heading comes from a filter over the frames, which decides between the two planar solutions; distance and
+  /// bearing are this frame's, as far as they depend on the heading with the filter's (the base origin lies behind the
+  /// tag).
+  double distance_m = 0.0;
+  double bearing_rad = 0.0;
+  double heading_rad = 0.0;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the three above
+  RelativeMeasurement measured;  ///< of this frame alone: what a filter of your own should be fed
+  double heading_doubt = 0.0;    ///< how much the headings so far speak for another one than heading_rad, 0 to 1
+
+  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame, of this frame alone
+  std::optional<Eigen::Isometry3d> other_cMo;             ///< the other planar solution, if there is one
+  /// Error of the worse planar solution over the better one's, in standard deviations of the corners (>= 1). Near 1 the
+  /// heading cannot be told from one picture; kMaxAmbiguityRatio where there is no second solution.
+  double ambiguity_ratio = 1.0;
+  double reprojection_error_px = 0.0;  ///< RMS over all corners used
+  double min_decision_margin = 0.0;    ///< of the tags used
+  FoundBy found_by = FoundBy::frame;
+  BoundedVector<TagSighting, kMaxTagsOnBody> tags;
+};
 
 }  // namespace pilotfish

@@ -2,25 +2,43 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/vision/heading_filter.hpp"
 #include "pilotfish/vision/leader_pose.hpp"
+#include "pilotfish/vision/leader_track.hpp"
 #include "pilotfish/vision/tag_detector.hpp"
 
 namespace pilotfish::vision {
 
+struct SearchRegion;
+
 struct LeaderObserverConfig {
+  double acquisition_range_m = 3.5;  ///< a leader that nobody follows yet is looked for up to this distance
   TagDetectorConfig detector;
+  TagGates gates;
   LeaderPoseConfig pose;
+  HeadingFilterConfig heading;
+  LeaderTrackConfig track;
+  static const std::vector<Parameter<LeaderObserverConfig>>& parameters();  ///< its own: acquisition_range_m
 };
 
 /// Everything that was turned away since the start, by reason.
 struct RejectionCounters {
   std::int64_t frames_invalid = 0;
-  std::int64_t hamming = 0;       ///< tags with more corrected bits than are believed
-  std::int64_t margin = 0;        ///< tags with too little contrast
-  std::int64_t foreign_id = 0;    ///< tags of the family that the leader does not wear
-  std::int64_t duplicate_id = 0;  ///< an id seen twice in one picture: none of the two is believed
-  std::int64_t pose = 0;          ///< corners that no credible pose explains
+  std::int64_t hamming = 0;        ///< tags that read as something else
+  std::int64_t margin = 0;         ///< tags with too little contrast
+  std::int64_t misfit = 0;         ///< tags of which something else explains too much
+  std::int64_t foreign_id = 0;     ///< tags of the family that the leader does not wear
+  std::int64_t duplicate_id = 0;   ///< an id seen twice in one picture: none of the two is believed
+  std::int64_t outside_frame = 0;  ///< tags partly outside the picture
+  std::int64_t too_small = 0;      ///< tags too small to be read
+  std::int64_t too_blurred = 0;    ///< tags too blurred to be believed
+  std::int64_t size = 0;           ///< tags with a size that they cannot have at any range
+  std::int64_t behind = 0;         ///< poses behind the camera, or that show a tag's back
+  std::int64_t jump = 0;           ///< leaders farther from where they were than anything can have moved
+  std::int64_t pose = 0;           ///< corners that no credible pose explains
 };
 
 /// What one picture says about the leader: an observation, or the reason why there is none.
@@ -29,8 +47,16 @@ struct Sight {
   Reason reason = Reason::none;
 };
 
-/// The way into this room: Frame in, Observation out. detect -> keep the leader's tags -> one pose -> d,
-/// theta, psi in the coordinator's base frame with their covariance.
+/// The way into this room: Frame in, Observation out.
+///
+///     the motion so far --> look at each tag where it must be -----+
+///          | nothing                                               |
+///          v                                                       +--> one pose --> plausible? --> heading filter
+///     detect in the region, then in the frame --> look there ------+
+///
+/// However a tag was found, it is an observation only after its print was fitted to this very frame and every bit of it
+/// read. Remembers where the leader was (for 0.5 s) and how it was heading; time comes from the frames. One observer
+/// serves one thread. While it tracks it asks for no memory.
 class LeaderObserver {
  public:
   /// Throws ConfigError if any part is not usable.
@@ -40,21 +66,38 @@ class LeaderObserver {
   /// Never throws. A frame whose size differs from the calibration's is refused, not scaled.
   Sight observe(const Frame& frame) noexcept;
 
+  /// The next frame is looked at as if nothing had been seen before. The counters stay.
+  void forget() noexcept;
+
   const RejectionCounters& rejected() const { return rejected_; }
 
  private:
-  struct TagsOfLeader {
-    std::vector<TagSighting> tags;
-    Reason reason_if_empty = Reason::none;
+  /// What became of the tags in one attempt at one frame.
+  struct Attempt {
+    TagMeasurements tags;
+    Reason reason = Reason::no_tag_found;  ///< why there is nothing more
+    RejectionCounters rejected;
+    void add(const TagLook& look);
   };
   Sight look(const Frame& frame);
-  TagsOfLeader keep_tags_of_leader(Detections detections);  ///< counts all that it turns away
+  Attempt follow_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo) const;
+  Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation);
+  /// Counts what the attempt refused, if it is the frame's last word.
+  Sight conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
+                 const std::optional<Eigen::Isometry3d>& predicted_cMo);
+  Sight measure(const Frame& frame, const TagMeasurements& tags, FoundBy found_by,
+                const std::optional<Eigen::Isometry3d>& predicted_cMo);
+  BitGates bit_gates() const;
 
   CameraModel camera_;
   Eigen::Isometry3d bMc_;
   LeaderBody body_;
-  LeaderPoseConfig pose_config_;
+  std::vector<TagPattern> patterns_;  ///< of body_.tags, in their order
+  LeaderObserverConfig config_;
+  double decimation_ = 1.0;  ///< for the whole frame
   TagDetector detector_;
+  LeaderTrack track_;
+  HeadingFilter heading_;
   RejectionCounters rejected_;
 };
 

@@ -2,44 +2,52 @@
 
 #include <Eigen/Geometry>
 #include <optional>
-#include <vector>
 
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/status.hpp"
+#include "pilotfish/vision/tag_measurement.hpp"
 
 namespace pilotfish::vision {
 
 struct LeaderPoseConfig {
   double max_reprojection_error_px = 3.0;  ///< RMS over all corners
-  double corner_sigma_px = 0.1;            ///< standard deviation of one corner coordinate, for the covariance
-  double max_distance_m = 20.0;            ///< camera to tag; beyond, the pose is not believed
+  double corner_sigma_px = 0.005;          ///< of each corner coordinate, added to its measured noise
+  double min_distance_m = 0.05;            ///< camera to tag; nearer, the pose is not believed
+  double max_distance_m = 20.0;            ///< camera to tag; farther, the pose is not believed
   static const std::vector<Parameter<LeaderPoseConfig>>& parameters();
+};
+
+/// One pose that explains the corners at least locally best.
+struct PoseSolution {
+  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
+  /// Of the twist (v, w), in the camera frame, whose exponential acts on cMo from the left.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  double squared_error = 0.0;          ///< chi-squared: of the corners, in units of their covariance
+  double reprojection_error_px = 0.0;  ///< RMS over the corners, in the picture as it is (distorted)
 };
 
 /// A pose cMo and how well it explains the corners.
 struct LeaderPose {
-  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
-  double reprojection_error_px = 0.0;           ///< RMS over the corners, in the picture as it is (distorted)
-  double ambiguity_ratio = kMaxAmbiguityRatio;  ///< error of the second local minimum over this one's; see Observation
-  /// Of the twist (v, w), in the camera frame, whose exponential acts on cMo from the left. It knows the
-  /// bottom of the minimum it stands in; that there may be another one is said by the ambiguity ratio alone.
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  PoseSolution best;
+  std::optional<PoseSolution> other;  ///< the second planar solution: the next best one that is really different
+  double ambiguity_ratio = kMaxAmbiguityRatio;  ///< see Observation
 };
 
-/// One pose from all corners of all tags. Both planar solutions of each tag are starting points; each is
-/// refined over all corners by virtual visual servoing (ViSP's interaction matrix of an image point); the
-/// best wins, the best one that is really different sets the ambiguity ratio. Nothing if no start converges
-/// in front of the camera, if there is no tag, or if one is not on the body. Gates are the caller's: see
-/// is_credible(). Never throws.
+/// One pose from all corners of all tags, each with its covariance. Starts: `guess`, if there is one, else the pose
+/// that the largest tag has by itself; and its mirror image about the line of sight, near which a plane's other
+/// solution lies. Each start is refined over all corners by virtual visual servoing. Nothing if no start converges in
+/// front of the camera, if there is no tag, or if one is not on the body. Gates are the caller's: see judge(). Never
+/// throws, never allocates.
 std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const LeaderBody& body,
-                                               const std::vector<TagSighting>& tags,
-                                               const LeaderPoseConfig& config) noexcept;
+                                               const TagMeasurements& tags, const LeaderPoseConfig& config,
+                                               const std::optional<Eigen::Isometry3d>& guess = std::nullopt) noexcept;
 
-/// Whether the pose explains the corners well enough, with every tag within the range that is believed, in
-/// front of the camera and showing it its printed side.
-bool is_credible(const LeaderPose& pose, const LeaderBody& body, const std::vector<TagSighting>& tags,
-                 const LeaderPoseConfig& config) noexcept;
+/// Reason::none if the pose explains the corners well enough, with every tag in front of the camera and showing it its
+/// printed side, and as large as it must be at its range.
+Reason judge(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
+             const LeaderPoseConfig& config) noexcept;
 
 }  // namespace pilotfish::vision

@@ -11,8 +11,10 @@
 namespace pilotfish::vision {
 
 struct TagDetectorConfig {
-  double decimation = 1.0;  ///< find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size)
-  int max_hamming = 0;      ///< corrected bits that are still believed
+  /// Find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size). 0: whoever knows how large
+  /// the tags look chooses, see decimation_for(); a detector by itself takes 1.
+  double decimation = 0.0;
+  int max_hamming = 0;  ///< corrected bits that are still believed
   double min_decision_margin = 20.0;
   double blur_sigma_px = 0.0;  ///< Gaussian blur of the image in which quads are found
   static const std::vector<Parameter<TagDetectorConfig>>& parameters();
@@ -41,14 +43,19 @@ class TagDetector {
   int family_size() const;  ///< ids run from 0 to family_size() - 1
 
   /// Never throws; a picture that cannot be used gives no tags and the reason in `input`. The pixels are only read.
-  Detections detect(const ImageView& image) noexcept;
+  Detections detect(const ImageView& image) noexcept { return detect(image, config_.decimation); }
+  /// The same with another of the decimations.
+  Detections detect(const ImageView& image, double decimation) noexcept;
 
  private:
   struct Library;
-  Detections detect_checked(const ImageView& image);
+  Detections detect_checked(const ImageView& image, double decimation);
 
   std::unique_ptr<Library> library_;
   TagDetectorConfig config_;
 };
+
+/// The largest decimation with which quads are still found whose cells are `cell_px` wide in the picture.
+double decimation_for(double cell_px) noexcept;
 
 }  // namespace pilotfish::vision

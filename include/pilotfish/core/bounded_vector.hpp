@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
+
+namespace pilotfish {
+
+/// A list of at most N values that lives where it is declared: what goes through the control loop with every frame must
+/// not ask for memory. (Decision 0012 says why not Boost's.)
+template <class T, std::size_t N>
+class BoundedVector {
+ public:
+  static constexpr std::size_t capacity() { return N; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  bool full() const { return size_ == N; }
+  void clear() { size_ = 0; }
+
+  /// Throws std::length_error beyond N: callers bound what they put in, so this is a mistake of ours.
+  void push_back(T value) {
+    if (full()) throw std::length_error("a BoundedVector is full");
+    values_[size_++] = std::move(value);
+  }
+
+  T* begin() { return values_.data(); }
+  T* end() { return values_.data() + size_; }
+  const T* begin() const { return values_.data(); }
+  const T* end() const { return values_.data() + size_; }
+  T& operator[](std::size_t i) { return values_[i]; }
+  const T& operator[](std::size_t i) const { return values_[i]; }
+  T& front() { return values_[0]; }
+  const T& front() const { return values_[0]; }
+
+ private:
+  std::array<T, N> values_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace pilotfish

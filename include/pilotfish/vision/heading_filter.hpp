@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
+
+namespace pilotfish::vision {
+
+struct HeadingFilterConfig {
+  double acceleration_radps2 = 2.0;  ///< how fast the relative heading's rate may change: standard deviation
+  double memory_s = 2.0;             ///< after so long, evidence for one of two solutions has faded to 1/e
+  static const std::vector<Parameter<HeadingFilterConfig>>& parameters();
+};
+
+/// What one planar solution of one frame says.
+struct HeadingCandidate {
+  RelativeMeasurement measurement;
+  double squared_error = 0.0;  ///< chi-squared of the corners
+};
+
+/// What the filter makes of the candidates.
+struct FilteredHeading {
+  std::size_t candidate = 0;  ///< which of them is believed
+  RelativeMeasurement fused;  ///< that candidate, given the headings before
+  double doubt = 0.0;         ///< weight of all that disagrees, 0 to 1
+};
+
+/// A plane seen from afar has two poses that explain a picture about equally well, and near the frontal view - where a
+/// follower lives - which one wins is luck. But only one of them moves like a robot, and what little each picture says
+/// adds up. So the leader's heading is a sum of Gaussians (Alspach and Sorenson, 1972): a few hypotheses of heading and
+/// rate, each a Kalman filter; each frame's candidates, weighed by how well they explain the corners, are offered to
+/// each hypothesis; the unlikely are dropped, the alike merged. A value: copy it to try something out.
+class HeadingFilter {
+ public:
+  explicit HeadingFilter(const HeadingFilterConfig& config) : config_(config) {}
+
+  /// `degrees_of_freedom` of the candidates' squared errors. `candidates` holds one or two, the best first.
+  FilteredHeading update(const BoundedVector<HeadingCandidate, 2>& candidates, int degrees_of_freedom,
+                         double dt_s) noexcept;
+  void forget() noexcept { hypotheses_.clear(); }
+
+ private:
+  struct Hypothesis {
+    double heading_rad = 0.0, rate_radps = 0.0;
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
+    double log_weight = 0.0;
+    std::size_t candidate = 0;  ///< the one it grew from
+    RelativeMeasurement fused;  ///< that one, given this hypothesis
+  };
+  static constexpr std::size_t kKept = 4;
+  using Kept = BoundedVector<Hypothesis, kKept>;
+
+  void predict(double dt_s) noexcept;
+  static void keep_likely(BoundedVector<Hypothesis, 2 * kKept + 2>& offspring, Kept& kept) noexcept;
+  static Hypothesis updated(const Hypothesis& parent, const HeadingCandidate& candidate, std::size_t index) noexcept;
+
+  HeadingFilterConfig config_;
+  Kept hypotheses_;
+};
+
+}  // namespace pilotfish::vision

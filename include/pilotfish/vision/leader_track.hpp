@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/vision/tag_registration.hpp"
+
+namespace pilotfish::vision {
+
+struct LeaderTrackConfig {
+  double memory_s = 0.5;                ///< after so long without the leader the whole frame is searched
+  double max_relative_speed_mps = 4.0;  ///< leader against coordinator, along and across the line of sight
+  double max_turn_rate_radps = 4.0;     ///< of the coordinator, which sweeps the leader sideways
+  static const std::vector<Parameter<LeaderTrackConfig>>& parameters();
+};
+
+/// Where the leader was, how it moved in front of the camera, and what follows for now. A value.
+class LeaderTrack {
+ public:
+  explicit LeaderTrack(const LeaderTrackConfig& config) : config_(config) {}
+
+  /// cMo at that time if the leader was seen within memory_s before; it goes on as it moved between the last two
+  /// frames.
+  std::optional<Eigen::Isometry3d> predict(std::int64_t utime) const noexcept;
+  /// Whether the leader can be there now, after all that is known of where it was. What is plausible widens with time,
+  /// so that a leader that really was carried away is believed again.
+  bool is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept;
+  double seconds_since(std::int64_t utime) const noexcept;  ///< 0 if it was never seen
+
+  void update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,
+              std::int64_t utime) noexcept;
+  void forget() noexcept { seen_ = false; }
+
+  const Appearance& appearance() const { return appearance_; }  ///< of the tags when last seen
+
+ private:
+  LeaderTrackConfig config_;
+  bool seen_ = false, moving_ = false;
+  std::int64_t utime_ = 0;
+  Eigen::Isometry3d cMo_ = Eigen::Isometry3d::Identity();
+  Eigen::Matrix<double, 6, 1> twist_ = Eigen::Matrix<double, 6, 1>::Zero();  ///< per second, in the camera frame
+  RelativePose pose_;
+  Appearance appearance_;
+};
+
+}  // namespace pilotfish::vision

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/vision/tag_registration.hpp"
+
+namespace pilotfish::vision {
+
+/// Which tags are believed once they have been found. Defaults: docs/vision.md shows the data they come from.
+struct TagGates {
+  double min_cell_px = 1.2;     ///< shorter side of a cell
+  double max_blur_cells = 0.6;  ///< standard deviation of the blur, in cells
+  double max_misfit = 0.12;     ///< RMS of what the print does not explain, as a part of its contrast
+  static const std::vector<Parameter<TagGates>>& parameters();
+};
+
+/// Which bits are believed: the same for a detection and for a tag that is followed, see TagDetectorConfig.
+struct BitGates {
+  int max_hamming = 0;
+  double min_decision_margin = 20.0;
+};
+
+/// One tag, verified and measured in this very frame.
+struct TagMeasurement {
+  TagSighting tag;
+  Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of the corners (u0, v0, u1, v1, ...)
+  Appearance appearance;
+};
+using TagMeasurements = BoundedVector<TagMeasurement, kMaxTagsOnBody>;
+
+/// Why a tag that was looked at is no measurement.
+enum class TagRefusal : std::uint8_t {
+  not_found,      ///< nothing like it at that place
+  outside_frame,  ///< partly outside the picture
+  too_small,      ///< cells below min_cell_px
+  too_blurred,    ///< blur above max_blur_cells
+  hamming,        ///< it reads as something else
+  margin,         ///< too little contrast
+  misfit,         ///< it reads well, but something else explains too much of it
+};
+
+/// Either the measurement or why there is none.
+struct TagLook {
+  std::optional<TagMeasurement> measurement;
+  TagRefusal refusal = TagRefusal::not_found;
+};
+
+/// Looks for one known tag near a place and checks what it sees: shift to the best match within `search_px`, fit the
+/// print, read every bit, pass the gates. `nHt` is the guess: tag coordinates (see TagPattern) to the undistorted plane
+/// Z = 1. Never throws, never allocates.
+TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+                    const Eigen::Matrix3d& nHt, const Appearance& expected, double search_px, const BitGates& bits,
+                    const TagGates& gates) noexcept;
+
+/// The homography (tag coordinates to the plane Z = 1) that takes the square's corners to these pixels; not finite if
+/// no square can look like that.
+Eigen::Matrix3d homography_from_corners(const CameraModel& camera,
+                                        const std::array<Eigen::Vector2d, 4>& corners_px) noexcept;
+/// The same of a tag at that pose in the camera.
+Eigen::Matrix3d homography_from_pose(const Eigen::Isometry3d& cMt, double size_m) noexcept;
+
+}  // namespace pilotfish::vision

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "pilotfish/vision/tag_family.hpp"
+
+namespace pilotfish::vision {
+
+/// A tag as print, in its own plane. Tag coordinates (x, y): the corners of the black square (AprilTag's "border") are
+/// at
+/// (+-1, +-1), x right and y down as one reads it. The cells around a code are part of the print: the white ring of a
+/// 36h11, the outer bits of a Standard41h12.
+struct TagPattern {
+  /// Where black meets white: one side of a cell, both sides known.
+  struct Edge {
+    Eigen::Vector2d middle;
+    bool vertical = false;  ///< it runs along y, so that crossing it is a step in x
+  };
+  /// A cell whose colour is known and what it should look like.
+  struct Cell {
+    Eigen::Vector2d centre;
+    bool white = false;
+    bool data = false;  ///< one bit of the code; otherwise part of the frame that all tags of the family share
+  };
+
+  int id = 0;
+  double cell_side = 0.25;  ///< in tag coordinates
+  int cells = 0;            ///< per side of `colour`, with a margin of kMargin cells all around
+  /// Row by row, 0 black and 1 white. Cells that the family leaves free, and the margin, repeat their nearest known
+  /// neighbour.
+  std::vector<std::uint8_t> colour;
+  std::vector<Edge> edges;
+  std::vector<Cell> known;
+
+  static constexpr int kMargin = 3;
+};
+
+/// Throws std::out_of_range on an id that the family does not have.
+TagPattern make_pattern(const TagFamily& family, int id);
+
+}  // namespace pilotfish::vision

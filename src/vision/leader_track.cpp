@@ -1,0 +1,70 @@
+#include "pilotfish/vision/leader_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotfish/core/angles.hpp"
+#include "virtual_visual_servoing.hpp"
+
+namespace pilotfish::vision {
+namespace {
+
+constexpr double kTwistFrom_s = 0.2;   ///< two sightings farther apart say nothing about the motion now
+constexpr double kSlack_m = 0.1;       ///< measurement errors are no jumps
+constexpr double kMostTurn_rad = 0.5;  ///< a faster turn between two frames was the other planar solution
+
+}  // namespace
+
+const std::vector<Parameter<LeaderTrackConfig>>& LeaderTrackConfig::parameters() {
+  using C = LeaderTrackConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"memory_s", &C::memory_s, 0.0, 5.0,
+       "for so long after the leader was last seen it is looked for where it should be now; then in the whole frame"},
+      {"max_relative_speed_mps", &C::max_relative_speed_mps, 0.1, 100.0,
+       "a leader that moved faster than that, relative to the coordinator, jumped and is refused"},
+      {"max_turn_rate_radps", &C::max_turn_rate_radps, 0.1, 100.0,
+       "the same for the sideways sweep when the coordinator turns"},
+  };
+  return table;
+}
+
+double LeaderTrack::seconds_since(std::int64_t utime) const noexcept {
+  return seen_ ? static_cast<double>(utime - utime_) * 1e-6 : 0.0;
+}
+
+std::optional<Eigen::Isometry3d> LeaderTrack::predict(std::int64_t utime) const noexcept {
+  const double dt_s = seconds_since(utime);
+  if (!seen_ || dt_s < 0.0 || dt_s > config_.memory_s) return std::nullopt;
+  if (!moving_ || dt_s > kTwistFrom_s) return cMo_;
+  return exponential(dt_s * twist_) * cMo_;
+}
+
+bool LeaderTrack::is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept {
+  if (!seen_) return true;
+  const double dt_s = std::max(0.0, seconds_since(utime));
+  const double reach_m = config_.max_relative_speed_mps * dt_s + kSlack_m;
+  const double across_m =
+      std::abs(wrap_angle(pose.bearing_rad - pose_.bearing_rad)) * std::min(pose.distance_m, pose_.distance_m);
+  return std::abs(pose.distance_m - pose_.distance_m) <= reach_m &&
+         across_m <= reach_m + config_.max_turn_rate_radps * dt_s * pose_.distance_m;
+}
+
+void LeaderTrack::update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,
+                         std::int64_t utime) noexcept {
+  const double dt_s = seconds_since(utime);
+  moving_ = false;
+  if (seen_ && dt_s > 0.0 && dt_s < kTwistFrom_s) {
+    const Eigen::Matrix<double, 6, 1> motion = logarithm(cMo * cMo_.inverse());
+    if (motion.tail<3>().norm() < kMostTurn_rad) {
+      twist_ = motion / dt_s;
+      moving_ = true;
+    }
+  }
+  seen_ = true;
+  utime_ = utime;
+  cMo_ = cMo;
+  pose_ = pose;
+  appearance_ = appearance;
+}
+
+}  // namespace pilotfish::vision

@@ -1,0 +1,112 @@
+#include "print_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pilotfish::vision {
+namespace {
+
+void add(PrintSamples& samples, const TagPattern& pattern, const Eigen::Vector2d& g, const Eigen::Vector2d& tag,
+         double gray) {
+  const int R = samples.reach;
+  const auto cell_of = [&](double coordinate) {
+    const int cell = static_cast<int>(coordinate / pattern.cell_side + 0.5 * pattern.cells);
+    return std::clamp(cell, R, pattern.cells - 1 - R);
+  };
+  const int column = cell_of(tag.x()), row = cell_of(tag.y());
+  const int i = samples.count++;
+  samples.gu[i] = static_cast<float>(g.x());
+  samples.gv[i] = static_cast<float>(g.y());
+  samples.gray[i] = static_cast<float>(gray);
+  samples.column_x[i] = static_cast<float>((column + 0.5 - 0.5 * pattern.cells) * pattern.cell_side);
+  samples.row_y[i] = static_cast<float>((row + 0.5 - 0.5 * pattern.cells) * pattern.cell_side);
+  const std::uint8_t* cell = pattern.colour.data() + static_cast<std::ptrdiff_t>(row - R) * pattern.cells + column - R;
+  for (int j = 0, n = 0; j <= 2 * R; ++j, cell += pattern.cells)
+    for (int k = 0; k <= 2 * R; ++k, ++n) samples.colour[n][i] = cell[k];
+}
+
+/// Fills the last eight: repeats of the last sample, which linearize() leaves out again.
+void pad(PrintSamples& samples) {
+  if (samples.count == 0) return;
+  const int last = samples.count - 1, R = samples.reach;
+  for (int i = samples.count; i < samples.blocks() * static_cast<int>(Lanes::SizeAtCompileTime); ++i) {
+    for (PrintSamples::Column* column : {&samples.gu, &samples.gv, &samples.gray, &samples.column_x, &samples.row_y})
+      (*column)[i] = (*column)[last];
+    for (int n = 0; n < (2 * R + 1) * (2 * R + 1); ++n) samples.colour[n][i] = samples.colour[n][last];
+  }
+}
+
+double smoothed(const ImageView& image, std::ptrdiff_t u, std::ptrdiff_t v) {
+  const std::uint8_t* middle = image.data + v * image.stride_bytes + u;
+  const auto row = [](const std::uint8_t* p) { return p[-1] + 2 * p[0] + p[1]; };
+  return (row(middle - image.stride_bytes) + 2 * row(middle) + row(middle + image.stride_bytes)) / 16.0;
+}
+
+}  // namespace
+
+void take_along_edges(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
+                      double spread_px, int wanted, PrintSamples& samples) {
+  samples.count = 0;
+  const int most = std::max(1, wanted / static_cast<int>(pattern.edges.size()));
+  int turn = 0;
+  for (const TagPattern::Edge& edge : pattern.edges) {
+    const Eigen::Vector2d g_middle = warp.flat(edge.middle);
+    const Eigen::Matrix2d J = warp.flat_jacobian(edge.middle);
+    const int along = edge.vertical ? 1 : 0;
+    const double step_px = J.col(along).norm();  // per tag coordinate along the edge
+    const double length_px = pattern.cell_side * step_px;
+    const double across_px =
+        std::abs(J.determinant()) / step_px;  // distance from the edge per tag coordinate across it
+    const Eigen::Matrix2d pixel_from_g = warp.pixel_jacobian(camera, g_middle);
+    // Samples two pixels apart share little of their 3 x 3 pixels, so their noise is nearly independent.
+    const int count = std::clamp(static_cast<int>(length_px / 2.0), 1, most);
+    for (int i = 0; i < count && samples.count < PrintSamples::kCapacity; ++i) {
+      // Away from the ends, where another edge may begin. Across: -1, 0, 1, -1, ... times the spread; the flanks of the
+      // ramp tell the blur and the gray levels, its middle the place.
+      Eigen::Vector2d tag = edge.middle;
+      tag[along] += pattern.cell_side * ((i + 0.5) / count - 0.5) * (1.0 - std::min(1.0 / length_px, 0.5));
+      tag[1 - along] += spread_px * (turn++ % 3 - 1) / across_px;
+      const Eigen::Vector2d g = warp.flat(tag), pixel = warp.pixel(camera, g);
+      const Eigen::Vector2d nearest(std::floor(pixel.x() + 0.5), std::floor(pixel.y() + 0.5));
+      if (!(nearest.x() >= 1.0 && nearest.y() >= 1.0 && nearest.x() <= image.width - 2.0 &&
+            nearest.y() <= image.height - 2.0))
+        continue;
+      add(samples, pattern, g + pixel_from_g.inverse() * (nearest - pixel), tag,
+          smoothed(image, static_cast<std::ptrdiff_t>(nearest.x()), static_cast<std::ptrdiff_t>(nearest.y())));
+    }
+  }
+  pad(samples);
+}
+
+void take_all_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
+                     PrintSamples& samples) {
+  samples.count = 0;
+  const double reach = 1.0 + 0.5 * pattern.cell_side;
+  Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+  for (const Eigen::Vector2d& corner : tag_corners()) {
+    const Eigen::Vector2d pixel = warp.pixel(camera, warp.flat(reach * corner));
+    low = low.cwiseMin(pixel);
+    high = high.cwiseMax(pixel);
+  }
+  low = low.cwiseMax(Eigen::Vector2d::Zero());
+  high = high.cwiseMin(Eigen::Vector2d(image.width - 1.0, image.height - 1.0));
+  if (!low.allFinite() || !high.allFinite() || (high - low).maxCoeff() > 100.0) return;
+
+  const Eigen::Matrix3d tag_from_flat = warp.matrix().inverse();
+  for (double v = std::ceil(low.y()); v <= high.y(); ++v) {
+    Eigen::Vector2d g = Eigen::Vector2d::Zero();
+    for (double u = std::ceil(low.x()); u <= high.x(); ++u) {
+      // Newton's method from the neighbour's place. Without distortion the first step is exact; with it, the map is
+      // almost linear from pixel to pixel.
+      for (int step = 0; step < (u == std::ceil(low.x()) ? 5 : 1); ++step)
+        g += warp.pixel_jacobian(camera, g).inverse() * (Eigen::Vector2d(u, v) - warp.pixel(camera, g));
+      const Eigen::Vector2d tag = (tag_from_flat * g.homogeneous()).hnormalized();
+      if (!(tag.cwiseAbs().maxCoeff() <= reach) || samples.count >= PrintSamples::kCapacity) continue;
+      add(samples, pattern, g, tag,
+          image.data[static_cast<std::ptrdiff_t>(v) * image.stride_bytes + static_cast<std::ptrdiff_t>(u)]);
+    }
+  }
+  pad(samples);
+}
+
+}  // namespace pilotfish::vision

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/vision/tag_pattern.hpp"
+#include "tag_warp.hpp"
+
+namespace pilotfish::vision {
+
+/// Eight samples at once: what the compiler makes SIMD instructions of.
+using Lanes = Eigen::Array<float, 8, 1>;
+
+/// Pixels that are compared with the print, by column, so that eight of them can be taken at once.
+struct PrintSamples {
+  static constexpr int kCapacity = 768;
+  static constexpr int kNeighbours = 25;
+  using Column = Eigen::Array<float, kCapacity, 1>;
+
+  int count = 0;
+  int reach = 1;                           ///< R: the print is known (2R + 1) x (2R + 1) cells around each sample
+  Column gu, gv;                           ///< where the sample lies in the flat picture, see TagWarp
+  Column gray;                             ///< [gray levels]
+  Column column_x, row_y;                  ///< middle of the sample's own cell, in tag coordinates
+  std::array<Column, kNeighbours> colour;  ///< of the cells around it, row by row: 0 black, 1 white
+
+  int lanes_begin(int block) const { return block * static_cast<int>(Lanes::SizeAtCompileTime); }
+  int blocks() const { return (count + static_cast<int>(Lanes::SizeAtCompileTime) - 1) / Lanes::SizeAtCompileTime; }
+};
+
+/// A sample along edges is the mean of 3 x 3 pixels, weighted (1 2 1)/4 along rows and columns. Whatever shape a
+/// camera's own blur has (square pixels, a digital sharpener), together with this it is nearly the Gaussian that the
+/// fit assumes, and the sample carries the noise of a mean of seven pixels. It adds this variance to the blur along
+/// rows and along columns.
+inline constexpr double kSampleBlur_px2 = 0.5;
+
+/// Samples on both sides of every edge of the print, at most `spread_px` from it, about `wanted` in all: only what lies
+/// in the ramp of an edge says where the edge is.
+void take_along_edges(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
+                      double spread_px, int wanted, PrintSamples& samples);
+
+/// Every pixel of a small tag, unsmoothed, and those around it as far as the white ring can be relied on.
+void take_all_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
+                     PrintSamples& samples);
+
+}  // namespace pilotfish::vision

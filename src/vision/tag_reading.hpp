@@ -1,0 +1,24 @@
+#pragma once
+
+#include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/vision/tag_pattern.hpp"
+#include "pilotfish/vision/tag_registration.hpp"
+
+namespace pilotfish::vision {
+
+/// What the cells of a print say when they are read one by one.
+struct TagReading {
+  int wrong_bits = 0;         ///< of the code: they look more like the other colour
+  int wrong_frame_cells = 0;  ///< of the rings that all tags of the family share
+  int frame_cells = 0;
+  /// Mean contrast of the bits, in gray levels: twice their distance from the middle gray, wrong ones negative.
+  /// AprilTag's, which sharpens the picture first, is of the same size.
+  double decision_margin = 0.0;
+};
+
+/// Reads the tag where the registration says that it lies. Never throws.
+TagReading read_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+                    const Registration& registration) noexcept;
+
+}  // namespace pilotfish::vision

@@ -1,0 +1,311 @@
+#include "pilotfish/vision/tag_registration.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "blurred_print.hpp"
+#include "print_samples.hpp"
+#include "tag_warp.hpp"
+
+// The picture of a print is known up to where it lies (eight parameters h of a homography), how bright black and white
+// are (their level and slope over the tag) and how far it is blurred (along rows and columns: a turning camera smears
+// sideways). At a pixel p that shows the point s of the tag, with T the blurred print,
+//
+//   I(p) = B(s) + C(s) T(s; v),    B(s) = B + Bx x + By y,    C(s) = C + Cx x + Cy y,
+//   v = diagonal of G diag(bu, bv) G^T,   G = ds/dp  (the blur, carried to the tag)
+//
+// and with white noise the most likely parameters are those of least squares: Gauss-Newton over pixels that lie on
+// edges (Baker and Matthews, "Lucas-Kanade 20 years on", 2004, for the scheme; here the template is a formula, so that
+// its blur can follow the picture's). When h moves the tag, s at the fixed pixel moves the other way:
+//
+//   dI/dh = -(dI/ds) (dg/ds)^-1 dg/dh.
+//
+// All edges, outer and inner, are fitted in one; that is also why a bright tag that bleeds into its dark cells does not
+// look larger: it bleeds inwards at the outer edge of the black frame and outwards at its inner one.
+
+namespace pilotfish::vision {
+namespace {
+
+constexpr int kParameters = 16;
+enum Parameter : int { kB = 8, kC, kBx, kBy, kCx, kCy, kBlurU, kBlurV };
+using Normal = Eigen::Matrix<double, kParameters, kParameters>;
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+
+constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
+constexpr double kAtRest_px = 0.03;     ///< a step of the corners that no longer matters
+constexpr double kNotAtRest_px = 0.1;   ///< a last step that does
+constexpr double kDenseBelow_px = 3.2;  ///< cells smaller than this are looked at pixel by pixel
+constexpr int kCoarseSamples = 150, kFineSamples = 380;
+constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
+constexpr double kOutlier_sigmas = 3.0;
+
+struct Fit {
+  TagWarp warp;
+  Appearance look;
+  double noise = 0.0;  ///< gray levels, 0: not known yet
+  double outlier_share = 0.0;
+
+  Eigen::Vector4d slopes() const {
+    Eigen::Vector4d all;
+    all << look.black_slope, look.contrast_slope;
+    return all;
+  }
+};
+
+/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are believed.
+struct NormalEquations {
+  Normal information = Normal::Zero();
+  Parameters gradient = Parameters::Zero();
+  double squared_error = 0.0;
+  int inliers = 0;
+};
+
+/// J and r, a row a sample. Single precision: the sums only steer, and what they steer to is where J^T r vanishes.
+struct Rows {
+  Eigen::Matrix<float, PrintSamples::kCapacity, kParameters> J;
+  Eigen::Matrix<float, PrintSamples::kCapacity, 1> r;
+};
+
+std::array<Eigen::Vector2d, 4> corners_px(const CameraModel& camera, const TagWarp& warp) {
+  std::array<Eigen::Vector2d, 4> corners;
+  for (int i = 0; i < 4; ++i) corners[i] = warp.pixel(camera, warp.flat(tag_corners()[i]));
+  return corners;
+}
+
+/// Side of a cell in pixels, along the axis of the tag that looks shorter.
+double smallest_cell_px(const TagWarp& warp, const TagPattern& pattern) {
+  const Eigen::Matrix2d J = warp.flat_jacobian(Eigen::Vector2d::Zero());
+  return pattern.cell_side * std::min(J.col(0).norm(), J.col(1).norm());
+}
+
+/// The mean grays of the white and the black cells' middles.
+bool measure_levels(const ImageView& image, const CameraModel& camera, const TagPattern& pattern, Fit& fit) {
+  double sum[2] = {0.0, 0.0};
+  int count[2] = {0, 0};
+  for (const TagPattern::Cell& cell : pattern.known) {
+    const Eigen::Vector2d pixel = fit.warp.pixel(camera, fit.warp.flat(cell.centre));
+    if (!(pixel.x() > -0.5 && pixel.y() > -0.5 && pixel.x() < image.width - 0.5 && pixel.y() < image.height - 0.5))
+      continue;
+    const auto u = static_cast<std::ptrdiff_t>(pixel.x() + 0.5), v = static_cast<std::ptrdiff_t>(pixel.y() + 0.5);
+    sum[cell.white] += image.data[v * image.stride_bytes + u];
+    ++count[cell.white];
+  }
+  if (count[0] == 0 || count[1] == 0) return false;
+  fit.look.black = sum[0] / count[0];
+  fit.look.white = sum[1] / count[1];
+  return fit.look.contrast() > 0.0;
+}
+
+/// One pass over the samples: where each lies on the tag now, what it should look like there, how that would change.
+/// `blur_u`, `blur_v` [px^2] are what the print is blurred with, be it the picture's own blur or more.
+template <int R>
+NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const PrintSamples& samples, double blur_u,
+                          double blur_v, Rows& rows) {
+  const Eigen::Matrix3f H = fit.warp.matrix().cast<float>();
+  const Eigen::Matrix3f inverse = fit.warp.matrix().inverse().cast<float>();
+  const auto bu = static_cast<float>(blur_u), bv = static_cast<float>(blur_v);
+  const auto cell_side = static_cast<float>(pattern.cell_side);
+  const auto limit = static_cast<float>(fit.noise > 0.0 ? kOutlier_sigmas * fit.noise : 1e9);
+  const Eigen::Vector4f slope = fit.slopes().cast<float>();
+  const auto black = static_cast<float>(fit.look.black), contrast = static_cast<float>(fit.look.contrast());
+  Lanes squared_error = Lanes::Zero(), inliers = Lanes::Zero();
+  const Lanes lane = Lanes::LinSpaced(0.0F, 7.0F);
+  for (int block = 0; block < samples.blocks(); ++block) {
+    const int first = samples.lanes_begin(block);
+    const Lanes gu = samples.gu.segment<8>(first), gv = samples.gv.segment<8>(first);
+    const Lanes w = (inverse(2, 0) * gu + inverse(2, 1) * gv + inverse(2, 2)).inverse();
+    const Lanes x = (inverse(0, 0) * gu + inverse(0, 1) * gv + inverse(0, 2)) * w;
+    const Lanes y = (inverse(1, 0) * gu + inverse(1, 1) * gv + inverse(1, 2)) * w;
+    // ds / dg, and the blur carried to the tag by it.
+    const Lanes x_u = (inverse(0, 0) - x * inverse(2, 0)) * w, x_v = (inverse(0, 1) - x * inverse(2, 1)) * w;
+    const Lanes y_u = (inverse(1, 0) - y * inverse(2, 0)) * w, y_v = (inverse(1, 1) - y * inverse(2, 1)) * w;
+    const Lanes xu2 = x_u * x_u, xv2 = x_v * x_v, yu2 = y_u * y_u, yv2 = y_v * y_v;
+    const Whiteness T = blurred_print<R>(samples, first, x, y, xu2 * bu + xv2 * bv, yu2 * bu + yv2 * bv, cell_side);
+
+    const Lanes C = contrast + slope[2] * x + slope[3] * y;
+    const Lanes error = samples.gray.segment<8>(first) - (black + slope[0] * x + slope[1] * y + C * T.value);
+    // One for a sample that is believed, else zero; the padding of the last block is none.
+    const Lanes used =
+        ((error.abs() <= limit) && (lane < static_cast<float>(samples.count - first))).select(Lanes::Ones(), 0.0F);
+    const Lanes uC = used * C, inverse_D = (H(2, 0) * x + H(2, 1) * y + 1.0F).inverse();
+    const Lanes a_u = -uC * (T.dx * x_u + T.dy * y_u) * inverse_D, a_v = -uC * (T.dx * x_v + T.dy * y_v) * inverse_D;
+    const Lanes c = -(a_u * gu + a_v * gv);
+    const auto column = [&](int i) { return rows.J.col(i).segment<8>(first).array(); };
+    column(0) = a_u * x;
+    column(1) = a_u * y;
+    column(2) = a_u;
+    column(3) = a_v * x;
+    column(4) = a_v * y;
+    column(5) = a_v;
+    column(6) = c * x;
+    column(7) = c * y;
+    column(kB) = used;
+    column(kC) = used * T.value;
+    column(kBx) = used * x;
+    column(kBy) = used * y;
+    column(kCx) = column(kC) * x;
+    column(kCy) = column(kC) * y;
+    column(kBlurU) = uC * (T.dvx * xu2 + T.dvy * yu2);
+    column(kBlurV) = uC * (T.dvx * xv2 + T.dvy * yv2);
+    rows.r.segment<8>(first) = (used * error).matrix();
+    squared_error += used * error * error;
+    inliers += used;
+  }
+  const int count = samples.lanes_begin(samples.blocks());
+  const auto J = rows.J.topRows(count);
+  Eigen::Matrix<float, kParameters, kParameters> information;
+  information.noalias() = J.transpose() * J;
+  NormalEquations sum;
+  sum.information = information.cast<double>();
+  sum.gradient = (J.transpose() * rows.r.head(count)).cast<double>();
+  sum.squared_error = squared_error.sum();
+  sum.inliers = static_cast<int>(inliers.sum());
+  return sum;
+}
+
+/// What is known without the picture: paper is lit evenly to some 20 % of its contrast, and a camera's blur stays what
+/// it was to 1 px^2. Without it the pixels of a very small tag could not tell 16 numbers.
+void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEquations& sum) {
+  const double slope_weight = std::pow(noise / (0.2 * std::max(fit.look.contrast(), 1.0)), 2);
+  const Eigen::Vector4d slopes = fit.slopes();
+  for (int i = 0; i < 4; ++i) {
+    sum.information(kBx + i, kBx + i) += slope_weight;
+    sum.gradient[kBx + i] -= slope_weight * slopes[i];
+  }
+  const double blur_weight = noise * noise;
+  sum.information(kBlurU, kBlurU) += blur_weight;
+  sum.information(kBlurV, kBlurV) += blur_weight;
+  sum.gradient[kBlurU] -= blur_weight * (fit.look.blur_u_px2 - start.blur_u_px2);
+  sum.gradient[kBlurV] -= blur_weight * (fit.look.blur_v_px2 - start.blur_v_px2);
+}
+
+Eigen::LDLT<Normal> scaled(const Normal& information, Parameters& scale) {
+  scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  return Eigen::LDLT<Normal>(scale.asDiagonal() * information * scale.asDiagonal());
+}
+
+void apply(const Parameters& step, bool with_blur, Fit& fit) {
+  fit.warp.h += step.head<8>();
+  fit.look.black += step[kB];
+  fit.look.white += step[kB] + step[kC];
+  fit.look.black_slope += step.segment<2>(kBx);
+  fit.look.contrast_slope += step.segment<2>(kCx);
+  if (!with_blur) return;
+  fit.look.blur_u_px2 = std::clamp(fit.look.blur_u_px2 + step[kBlurU], kSmallestBlur_px2, kLargestBlur_px2);
+  fit.look.blur_v_px2 = std::clamp(fit.look.blur_v_px2 + step[kBlurV], kSmallestBlur_px2, kLargestBlur_px2);
+}
+
+double largest_move(const TagWarp& before, const TagWarp& after) {
+  double largest = 0.0;
+  for (const Eigen::Vector2d& corner : tag_corners())
+    largest = std::max(largest, (after.flat(corner) - before.flat(corner)).norm());
+  return largest;
+}
+
+/// One Gauss-Newton step; how far it moved the corners [px], or NaN.
+double step_once(const TagPattern& pattern, const PrintSamples& samples, const Appearance& start, double extra_blur_px2,
+                 bool fine, Fit& fit, Rows& rows, NormalEquations& sum) {
+  const double blur_u = fit.look.blur_u_px2 + extra_blur_px2, blur_v = fit.look.blur_v_px2 + extra_blur_px2;
+  sum = samples.reach == 1 ? linearize<1>(fit, pattern, samples, blur_u, blur_v, rows)
+                           : linearize<2>(fit, pattern, samples, blur_u, blur_v, rows);
+  if (sum.inliers < 2 * kParameters) return std::nan("");
+  fit.noise = std::max(0.2, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
+  fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / samples.count;
+  add_prior(fit, start, fit.noise, sum);
+  if (!fine)
+    for (int i : {kBlurU, kBlurV}) {
+      sum.information.row(i).setZero();
+      sum.information.col(i).setZero();
+      sum.information(i, i) = 1.0;
+      sum.gradient[i] = 0.0;
+    }
+  Parameters scale;
+  const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
+  const Parameters step = scale.cwiseProduct(solver.solve(scale.cwiseProduct(sum.gradient)));
+  if (!step.allFinite()) return std::nan("");
+  const TagWarp before = fit.warp;
+  apply(step, fine, fit);
+  return largest_move(before, fit.warp);
+}
+
+Matrix8d corner_covariance(const CameraModel& camera, const TagWarp& warp, const NormalEquations& sum, double noise) {
+  Parameters scale;
+  const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
+  Eigen::Matrix<double, kParameters, 8> unit = Eigen::Matrix<double, kParameters, 8>::Identity();
+  unit = scale.asDiagonal() * solver.solve(scale.asDiagonal() * unit);
+  Matrix8d J;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector2d& corner = tag_corners()[i];
+    const Eigen::Matrix2d pixel_from_g = warp.pixel_jacobian(camera, warp.flat(corner));
+    for (int axis = 0; axis < 2; ++axis)
+      J.row(2 * i + axis) = warp.gradient(corner, pixel_from_g.row(axis).transpose());
+  }
+  return noise * noise * J * unit.topRows<8>() * J.transpose();
+}
+
+/// What is left of the blur's shape, which is not quite Gaussian, pulls all pixels of an edge the same way; the smaller
+/// the cells, the less the edges' two flanks cancel. [px], of one corner coordinate, from renders of known geometry.
+double shape_sigma_px(const Appearance& look, double cell_px) {
+  const double blur_cells2 = 0.5 * (look.blur_u_px2 + look.blur_v_px2) / (cell_px * cell_px);
+  return kShapeError_px * std::min(blur_cells2, 1.0);
+}
+
+}  // namespace
+
+std::optional<Registration> register_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+                                         const Eigen::Matrix3d& nHt, const Appearance& start) noexcept {
+  Fit fit{TagWarp(camera, nHt), start};
+  fit.look.black_slope.setZero();  // uneven light is measured anew
+  fit.look.contrast_slope.setZero();
+  if (!fit.warp.is_finite() || !measure_levels(image, camera, pattern, fit)) return std::nullopt;
+  const TagWarp started = fit.warp;
+  const double cell_px = smallest_cell_px(fit.warp, pattern);
+  if (!(cell_px > 0.5)) return std::nullopt;
+
+  PrintSamples samples;
+  Rows rows;
+  NormalEquations sum;
+  double move_px = 0.0;
+  // Far away first: a print blurred by a third of a cell pulls from a third of a cell away.
+  const double wide_px = 0.3 * cell_px;
+  const double extra_blur = std::max(0.0, wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2));
+  if (extra_blur > kSampleBlur_px2) {
+    take_along_edges(image, camera, fit.warp, pattern, wide_px, kCoarseSamples, samples);
+    for (int i = 0; i < 4; ++i) {
+      move_px = step_once(pattern, samples, start, extra_blur, false, fit, rows, sum);
+      if (!(move_px < cell_px)) return std::nullopt;
+      if (move_px < 0.3) break;
+    }
+  }
+  fit.noise = 0.0;
+  const bool dense = cell_px < kDenseBelow_px;
+  const double widest_px = std::sqrt(std::max(fit.look.blur_u_px2, fit.look.blur_v_px2) + kSampleBlur_px2);
+  samples.reach = widest_px < 0.4 * cell_px ? 1 : 2;
+  if (dense)
+    take_all_pixels(image, camera, fit.warp, pattern, samples);
+  else
+    take_along_edges(image, camera, fit.warp, pattern, widest_px, kFineSamples, samples);
+  for (int i = 0; i < 6; ++i) {
+    move_px = step_once(pattern, samples, start, dense ? 0.0 : kSampleBlur_px2, true, fit, rows, sum);
+    if (!(move_px < cell_px)) return std::nullopt;
+    if (move_px < kAtRest_px && i > 0) break;
+  }
+  if (!(move_px < kNotAtRest_px) || !(largest_move(started, fit.warp) < 2.0 * cell_px)) return std::nullopt;
+
+  Registration found;
+  found.nHt = fit.warp.nHt();
+  found.corners_px = corners_px(camera, fit.warp);
+  found.covariance_px2 = corner_covariance(camera, fit.warp, sum, fit.noise);
+  const double shape_px = shape_sigma_px(fit.look, cell_px);
+  found.covariance_px2.diagonal().array() += shape_px * shape_px;
+  found.appearance = fit.look;
+  found.cell_px = smallest_cell_px(fit.warp, pattern);
+  found.misfit = fit.noise;
+  found.outlier_share = fit.outlier_share;
+  found.pixels = sum.inliers;
+  if (!found.covariance_px2.allFinite() || !found.nHt.allFinite()) return std::nullopt;
+  return found;
+}
+
+}  // namespace pilotfish::vision

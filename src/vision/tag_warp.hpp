@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+#include "pilotfish/core/camera_model.hpp"
+
+namespace pilotfish::vision {
+
+/// A homography from tag coordinates to the "flat picture" g, with eight parameters h that are all of the size of
+/// pixels:
+///
+///   D = h7 x + h8 y + 1,   g = ((h1 x + h2 y + h3) / D, (h4 x + h5 y + h6) / D)
+///   n = n0 + g / f         the undistorted plane Z = 1, f = sqrt(fx fy), n0 where the tag's middle was at the start
+///   pixel = the camera model of n
+///
+/// So g is the picture without its distortion, in pixels, relative to the tag's middle. Distortion acts on points,
+/// never on the picture.
+class TagWarp {
+ public:
+  using Parameters = Eigen::Matrix<double, 8, 1>;
+
+  TagWarp(const CameraModel& camera, const Eigen::Matrix3d& nHt) : scale_(1.0 / std::sqrt(camera.fx * camera.fy)) {
+    const Eigen::Matrix3d H = nHt / nHt(2, 2);
+    middle_ = H.col(2).head<2>();
+    for (int i = 0; i < 2; ++i) h.segment<3>(3 * i) = (H.row(i) - middle_[i] * H.row(2)).transpose() / scale_;
+    h.tail<2>() = H.row(2).head<2>().transpose();
+  }
+
+  bool is_finite() const { return h.allFinite() && middle_.allFinite(); }
+
+  double D(const Eigen::Vector2d& tag) const { return h[6] * tag.x() + h[7] * tag.y() + 1.0; }
+
+  Eigen::Vector2d flat(const Eigen::Vector2d& tag) const {
+    const double x = tag.x(), y = tag.y();
+    return Eigen::Vector2d(h[0] * x + h[1] * y + h[2], h[3] * x + h[4] * y + h[5]) / D(tag);
+  }
+
+  /// dg / d(x, y)
+  Eigen::Matrix2d flat_jacobian(const Eigen::Vector2d& tag) const {
+    const Eigen::Vector2d g = flat(tag);
+    Eigen::Matrix2d J;
+    J << h[0] - g.x() * h[6], h[1] - g.x() * h[7], h[3] - g.y() * h[6], h[4] - g.y() * h[7];
+    return J / D(tag);
+  }
+
+  Eigen::Vector2d pixel(const CameraModel& camera, const Eigen::Vector2d& g) const {
+    return project_normalized(camera, middle_ + scale_ * g);
+  }
+
+  /// dpixel / dg
+  Eigen::Matrix2d pixel_jacobian(const CameraModel& camera, const Eigen::Vector2d& g) const {
+    return scale_ * pixels_from_normalized(camera, middle_ + scale_ * g);
+  }
+
+  /// w^T dg/dh for any w.
+  Parameters gradient(const Eigen::Vector2d& tag, const Eigen::Vector2d& w) const {
+    const Eigen::Vector2d a = w / D(tag);
+    const double c = -a.dot(flat(tag));
+    Parameters row;
+    row << a.x() * tag.x(), a.x() * tag.y(), a.x(), a.y() * tag.x(), a.y() * tag.y(), a.y(), c * tag.x(), c * tag.y();
+    return row;
+  }
+
+  /// Tag coordinates to g, homogeneous.
+  Eigen::Matrix3d matrix() const {
+    Eigen::Matrix3d H;
+    H << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0;
+    return H;
+  }
+
+  /// Tag coordinates to the plane Z = 1, homogeneous.
+  Eigen::Matrix3d nHt() const {
+    Eigen::Matrix3d nMg;
+    nMg << scale_, 0, middle_.x(), 0, scale_, middle_.y(), 0, 0, 1;
+    return nMg * matrix();
+  }
+
+  Parameters h = Parameters::Zero();
+
+ private:
+  double scale_;
+  Eigen::Vector2d middle_;
+};
+
+/// The square's corners in tag coordinates, in AprilTag's order.
+inline const std::array<Eigen::Vector2d, 4>& tag_corners() {
+  static const std::array<Eigen::Vector2d, 4> corners = {Eigen::Vector2d(-1, 1), {1, 1}, {1, -1}, {-1, -1}};
+  return corners;
+}
+
+}  // namespace pilotfish::vision
