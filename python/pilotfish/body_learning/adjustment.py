@@ -26,7 +26,7 @@ MOST_UNFIT = 0.5  # share of a tag's sightings: above, it is the tag and not the
 
 @dataclass(frozen=True)
 class Adjustment:
-    """``estimate`` explains ``sightings`` (those that fit) up to ``rms_px``; ``dropped`` (T,) are those that did not."""
+    """``estimate`` explains ``sightings`` (those that fit) up to ``rms_px``; ``dropped`` (T,) did not fit."""
 
     sightings: Sightings
     estimate: Estimate
@@ -86,8 +86,8 @@ def adjust(camera: CameraModel, sightings: Sightings, reference_id: int) -> Adju
 def _select(
     sightings: Sightings, columns: tuple[np.ndarray, ...], kept: np.ndarray
 ) -> tuple[Sightings, tuple[np.ndarray, ...]]:
-    """What is kept of the sightings and of ``columns`` beside them, (S, ...) each; and only frames in which two are left,
-    since a tag alone says nothing about the others."""
+    """What is kept of the sightings and of ``columns`` beside them, (S, ...) each; and only frames with two left, since a
+    tag alone says nothing about the others."""
     if len(sightings.ids) > 1:
         kept = kept.copy()
         kept &= np.bincount(sightings.frame[kept], minlength=sightings.frame_count)[sightings.frame] > 1

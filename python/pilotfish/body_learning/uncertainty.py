@@ -4,7 +4,8 @@ With residuals of standard deviation s, x solving (J^T J) x = J^T e for e ~ N(0,
 s^2 (J^T J)^-1 of least squares. Each draw of frames and tags goes the same way as the estimate, through the turning
 axis to the base frame. How the wheels slip while the robot turns is not in the corners but in which frames there were:
 each draw also weighs blocks of successive frames anew (a Bayesian bootstrap, exponential weights). What noise there is
-in the frames counts twice for the axis then, so its part is rather too large.
+in the frames counts twice for the axis then, so its part is rather too large. What corners have in common in every
+frame (a detector that sees all tags a little too small, a calibration that is a little off) is not in it.
 """
 
 from __future__ import annotations

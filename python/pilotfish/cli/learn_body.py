@@ -25,7 +25,9 @@ def learn_body(
     tag_size: Annotated[
         list[str],
         typer.Option(
-            "--tag-size", help="Side of the black squares [m], as 0.16; of one id, as 7=0.10. Can be repeated."
+            "--tag-size",
+            help="Side of the black squares in metres, as 0.16; of one id, as 7=0.10. Can be repeated.",
+            metavar="[ID=]METRES",
         ),
     ],
     output: Annotated[Path, typer.Option("--output", dir_okay=False, help="The leader YAML to write.")],
@@ -45,14 +47,17 @@ def learn_body(
     height_of: Annotated[
         str | None,
         typer.Option(
-            help="A tag and the height of its centre above the ground [m], as 0=0.25.", rich_help_panel=TURNING
+            help="A tag and the height of its centre above the ground, as 0=0.25.",
+            metavar="ID=METRES",
+            rich_help_panel=TURNING,
         ),
     ] = None,
     position_m: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
             "--reference-position",
-            help="The reference tag's centre in the base frame [m]: forward, left, up.",
+            help="The reference tag's centre in the base frame: forward, left, up in metres.",
+            metavar="X Y Z",
             rich_help_panel=KNOWN,
         ),
     ] = None,
@@ -229,16 +234,22 @@ def _remarks(film: Path, learned: LearnedBody) -> list[str]:
 
 
 def _report(collected: Collected, learned: LearnedBody) -> None:
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table(title=f"{learned.body.name}: {len(learned.tags)} tags from {learned.frames_used} frames")
-    for column in ("tag", "used", "left out", "forward, left, up [m]", "facing, tilt, roll [deg]", "known to"):
+    title = f"{learned.body.name}: {len(learned.tags)} tags, known to one standard deviation (±)"
+    table = Table(title=title, box=SIMPLE_HEAD, padding=0)
+    for column in ("tag", "used", "left out", "forward", "left", "up m", "± mm", "facing", "tilt", "roll °", "± °"):
         table.add_column(column, justify="right")
     for tag, known in zip(learned.body.tags, learned.tags, strict=True):
-        place = ", ".join(f"{value + 0.0:.4f}" for value in tag.position_m)
-        turn = ", ".join(f"{math.degrees(value) + 0.0:.2f}" for value in (tag.facing_rad, tag.tilt_rad, tag.roll_rad))
-        sigma = f"{known.position_sigma_m * 1e3:.1f} mm, {math.degrees(known.rotation_sigma_rad):.2f} deg"
-        table.add_row(str(tag.id), str(known.used), str(known.dropped), place, turn, sigma)
+        turn = (tag.facing_rad, tag.tilt_rad, tag.roll_rad)
+        table.add_row(
+            *(str(tag.id), str(known.used), str(known.dropped)),
+            *(f"{value + 0.0:.4f}" for value in tag.position_m),
+            f"{known.position_sigma_m * 1e3:.1f}",
+            *(f"{math.degrees(value) + 0.0:.2f}" for value in turn),
+            f"{math.degrees(known.rotation_sigma_rad):.2f}",
+        )
     console.print(table)
     said = (
         f"{collected.frames_read} frames read, {learned.frames_used} used; reprojection error {learned.rms_px:.3f} px"
