@@ -11,7 +11,7 @@ from PIL import Image
 from turning_bodies import FIVE, TWELVE, film
 from typer.testing import CliRunner
 
-from pilotfish import core, coordinator
+from pilotfish import coordinator, core
 from pilotfish import data as shipped
 from pilotfish.body_learning import write_leader_body
 from pilotfish.cli import app

@@ -29,23 +29,23 @@ def mean_normalised_square(learned, truth):
 
 
 def test_errors_are_as_large_as_the_covariance_says():
-    # White noise, as the theory assumes. Ten films of four tags each: the mean of the chi-squared values is 6. Those of
-    # one film share the reference's error, so count ten of them only: standard deviation sqrt(12 / 10) = 1.1 at most.
+    # White noise, as the theory assumes. Six films of four tags each: the mean of the chi-squared values is 6. Those
+    # of one film share the reference's error, so count six only: standard deviation sqrt(12 / 6) = 1.4 at most.
     squares = []
-    for seed in range(10):
-        seen = sightings_of(FIVE, one_turn(60, from_deg=-110, to_deg=110), sigma_px=0.1, seed=seed)
+    for seed in range(6):
+        seen = sightings_of(FIVE, one_turn(44, from_deg=-110, to_deg=110), sigma_px=0.1, seed=seed)
         learned = learn_body(seen, CAMERA, base=KnownTag(FIVE.tags[0]))
         assert learned.rms_px == pytest.approx(0.1, rel=0.25)  # less the share that the unknowns took
         squares.append(mean_normalised_square(learned, FIVE))
-    assert abs(np.mean(squares) - 6.0) < 3 * 1.1
+    assert abs(np.mean(squares) - 6.0) < 3 * 1.4
 
 
 def test_the_turning_centre_is_found_to_within_what_is_said():
     # The turn's noise counts twice (see uncertainty.py), so errors may be smaller than said, but not larger: the mean
-    # of the squares stays below 6 + 3 * 1.1 (see above).
+    # of the squares stays below 6 + 3 sqrt(12 / 4) = 11.2 (see above).
     squares = []
-    for seed in range(6):
-        seen = sightings_of(FIVE, one_turn(60, from_deg=-110, to_deg=110), sigma_px=0.1, seed=20 + seed)
+    for seed in range(4):
+        seen = sightings_of(FIVE, one_turn(44, from_deg=-110, to_deg=110), sigma_px=0.1, seed=20 + seed)
         learned = learn_body(seen, CAMERA, base=TurningCentre(np.pi, height_of=(0, 0.25)))
         errors = errors_of(learned, FIVE)
         assert np.abs(errors[:, :3]).max() < 2e-3
@@ -57,8 +57,14 @@ def test_the_turning_centre_is_found_to_within_what_is_said():
                 ]
             )
         )
-    assert np.mean(squares) < 6.0 + 3 * 1.1
-    assert learned.warnings == ()
+    assert np.mean(squares) < 11.2
+
+
+def test_tags_that_were_seen_rarely_are_warned_of_and_nothing_else_is():
+    seen = sightings_of(FIVE, one_turn(44, from_deg=-110, to_deg=110), sigma_px=0.1, seed=20)
+    learned = learn_body(seen, CAMERA, base=TurningCentre(np.pi, height_of=(0, 0.25)))
+    rare = [f"tag {known.id} was used in {known.used} frames only" for known in learned.tags if known.used < 15]
+    assert rare and [warning.partition(":")[0] for warning in learned.warnings] == rare
 
 
 def test_a_rendered_film_gives_the_body_back():
@@ -92,13 +98,14 @@ def test_twelve_tags_all_round_are_learned():
     assert len(learned.body.tags) == 12
     errors = errors_of(learned, TWELVE)
     assert np.linalg.norm(errors[:, :3], axis=1).max() < 2e-3
-    assert np.degrees(learned.turning.turned_rad) == pytest.approx(350.0)  # but the largest gap of 10 degrees
+    # A gap of 10 degrees is left; the frames' noise of some 0.1 degrees makes it a little wider.
+    assert np.degrees(learned.turned_rad) == pytest.approx(350.0, abs=1.0)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_frontal_views_from_afar_do_not_turn_tags_round(seed):
-    # At 2.5 m with 0.3 px of noise a tag of 24 to 38 px that is within 25 degrees of frontal flips in many frames. Two of
-    # the three are in one plane, so that a flipped frame fits them, too.
+    # At 2.5 m with 0.3 px of noise a tag of 24 to 38 px that is within 25 degrees of frontal flips in many frames. Two
+    # of the three are in one plane, so that a flipped frame fits them, too.
     body = core.LeaderBody(
         [
             tag(0, 0.16, [-0.2, 0.13, 0.25], 180),
@@ -129,7 +136,7 @@ def test_a_single_tag_s_place_beside_the_turning_centre_is_learned(seed):
 
 def test_corners_in_the_wrong_place_are_left_out():
     # Every tenth sighting is shifted by 3 px at one corner, as by something in front of it.
-    seen = sightings_of(FIVE, one_turn(60, from_deg=-110, to_deg=110), sigma_px=0.1, seed=6)
+    seen = sightings_of(FIVE, one_turn(44, from_deg=-110, to_deg=110), sigma_px=0.1, seed=6)
     shifted = np.arange(len(seen)) % 10 == 3
     seen.corners_px[shifted, 1] += 3.0
     learned = learn_body(seen, CAMERA, base=KnownTag(FIVE.tags[0]))

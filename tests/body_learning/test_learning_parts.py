@@ -12,7 +12,7 @@ from pilotfish.body_learning.leader_file import body_tag
 from pilotfish.body_learning.projection import project
 from pilotfish.body_learning.rigid import moved, step_between
 from pilotfish.body_learning.single_pose import both_tag_poses
-from pilotfish.body_learning.turning import fit_turning_axis
+from pilotfish.body_learning.turning import fit_turning_axis, turned_rad
 from pilotfish.errors import BodyLearningError
 
 WIDE = core.CameraModel(
@@ -86,11 +86,12 @@ def test_a_tag_on_the_lid_is_found_again_too(tilt):
 
 def test_the_turning_axis_is_found_where_the_body_turned():
     # The body's own frame serves as the tag's: the axis is its z axis, through its origin.
-    axis = fit_turning_axis(np.array(one_turn(30, to_deg=200)))
+    poses = np.array(one_turn(30, to_deg=200))
+    axis = fit_turning_axis(poses)
     np.testing.assert_allclose(axis.up, [0, 0, 1], atol=1e-9)
     np.testing.assert_allclose(axis.origin_m, 0.0, atol=1e-9)
     # 30 steps over 200 degrees, the last one not taken.
-    assert np.degrees(axis.turned_rad) == pytest.approx(200 * 29 / 30)
+    assert np.degrees(turned_rad(axis, poses)) == pytest.approx(200 * 29 / 30)
     assert max(axis.wander_m, axis.wobble_rad) < 1e-9
 
 

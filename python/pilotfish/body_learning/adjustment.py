@@ -11,7 +11,7 @@ from pilotfish.body_learning.first_guess import guess_layout, pose_frames
 from pilotfish.body_learning.pairs import pairs_seen_together
 from pilotfish.body_learning.sightings import Sightings
 from pilotfish.body_learning.single_pose import both_tag_poses
-from pilotfish.body_learning.sizes import check_sizes
+from pilotfish.body_learning.sizes import check_sizes, check_sizes_roughly
 from pilotfish.body_learning.turning import settle_flips
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
@@ -43,15 +43,18 @@ def adjust(camera: CameraModel, sightings: Sightings, reference_id: int) -> Adju
     reference = int(np.searchsorted(ids, reference_id))
     cMt, errors_px = both_tag_poses(camera, sightings)
     pairs = pairs_seen_together(sightings, cMt, errors_px)
-    layout = guess_layout(ids, pairs, reference)
     usable = np.isfinite(errors_px).all(axis=1)
-    here, (cMt, errors_px) = _select(sightings, (cMt, errors_px), usable)
-    if here.frame_count < FEWEST_FRAMES:
+    enough = sightings.seen_together() if len(ids) > 1 else usable
+    frames = len(np.unique(sightings.frame[enough & usable]))
+    if frames < FEWEST_FRAMES:
         raise BodyLearningError(
-            f"only {here.frame_count} frames "
+            f"only {frames} frames "
             + ("show two tags at once" if len(ids) > 1 else "show the tag")
             + f", {FEWEST_FRAMES} are needed: film for longer, turn more slowly, or use every frame (--every 1)"
         )
+    check_sizes_roughly(sightings, pairs)
+    layout = guess_layout(ids, pairs, reference)
+    here, (cMt, errors_px) = _select(sightings, (cMt, errors_px), usable)
     robust_px = FIRST_ROBUST_SCALE_PX
     size_warnings: tuple[str, ...] = ()
     for round_number in range(MOST_ROUNDS):
@@ -86,8 +89,8 @@ def adjust(camera: CameraModel, sightings: Sightings, reference_id: int) -> Adju
 def _select(
     sightings: Sightings, columns: tuple[np.ndarray, ...], kept: np.ndarray
 ) -> tuple[Sightings, tuple[np.ndarray, ...]]:
-    """What is kept of the sightings and of ``columns`` beside them, (S, ...) each; and only frames with two left, since a
-    tag alone says nothing about the others."""
+    """What is kept of the sightings and of ``columns`` beside them, (S, ...) each; only frames with two left, since
+    a tag alone says nothing about the others."""
     if len(sightings.ids) > 1:
         kept = kept.copy()
         kept &= np.bincount(sightings.frame[kept], minlength=sightings.frame_count)[sightings.frame] > 1

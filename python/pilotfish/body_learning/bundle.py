@@ -21,6 +21,8 @@ from pilotfish.body_learning.rigid import moved, right_jacobian, skew, transform
 from pilotfish.body_learning.sightings import Sightings
 from pilotfish.core import CameraModel
 
+MOST_EVALUATIONS = 60  # it settles within 5 to 20; what takes longer does not fit, and will be refused
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -124,4 +126,5 @@ class Bundle:
             xtol=1e-9,
             ftol=1e-9,
             gtol=1e-9,
+            max_nfev=MOST_EVALUATIONS,
         ).x

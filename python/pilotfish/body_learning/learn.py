@@ -11,7 +11,7 @@ from pilotfish.body_learning.adjustment import Adjustment, adjust
 from pilotfish.body_learning.base_frame import Base, KnownTag, TurningCentre, base_from_reference
 from pilotfish.body_learning.leader_file import body_tag
 from pilotfish.body_learning.sightings import Sightings
-from pilotfish.body_learning.turning import TurningAxis
+from pilotfish.body_learning.turning import TurningAxis, turned_rad
 from pilotfish.body_learning.uncertainty import tag_covariances
 from pilotfish.core import CameraModel, LeaderBody
 from pilotfish.errors import BodyLearningError
@@ -49,6 +49,7 @@ class LearnedBody:
     rms_px: float  # reprojection error over all corner coordinates used
     tags: tuple[LearnedTag, ...]  # in the body's order
     turning: TurningAxis | None  # None if the reference tag's pose was known
+    turned_rad: float | None  # the arc that the frames cover, likewise
     warnings: tuple[str, ...]
 
 
@@ -91,12 +92,19 @@ def learn_body(
         family=family,
         name=name,
     )
-    warnings = (*adjustment.size_warnings, *_doubts(adjustment, tags, axis, base))
+    arc = turned_rad(axis, estimate.cMr) if axis else None
+    warnings = (*adjustment.size_warnings, *_doubts(adjustment, tags, axis, arc, base))
     frames = len(estimate.cMr)
-    return LearnedBody(body, reference_id, frames, adjustment.rms_px, tags, axis, warnings)
+    return LearnedBody(body, reference_id, frames, adjustment.rms_px, tags, axis, arc, warnings)
 
 
-def _doubts(adjustment: Adjustment, tags: tuple[LearnedTag, ...], axis: TurningAxis | None, base: Base) -> list[str]:
+def _doubts(
+    adjustment: Adjustment,
+    tags: tuple[LearnedTag, ...],
+    axis: TurningAxis | None,
+    arc_rad: float | None,
+    base: Base,
+) -> list[str]:
     doubts = [
         f"tag {tag.id} was used in {tag.used} frames only: film it for longer"
         for tag in tags
@@ -112,11 +120,10 @@ def _doubts(adjustment: Adjustment, tags: tuple[LearnedTag, ...], axis: TurningA
         doubts.append(
             f"the corners are off by {adjustment.rms_px:.2f} px (RMS): is the calibration this camera's, at this focus?"
         )
-    if axis is not None:
-        if axis.turned_rad < SMALL_TURN_RAD:
+    if axis is not None and arc_rad is not None:
+        if arc_rad < SMALL_TURN_RAD:
             doubts.append(
-                f"the frames cover {math.degrees(axis.turned_rad):.0f} degrees of turning: a full turn finds the axis "
-                "better"
+                f"the frames cover {math.degrees(arc_rad):.0f} degrees of turning: a full turn finds the axis better"
             )
         if axis.wander_m > LARGE_WANDER_M:
             doubts.append(

@@ -23,7 +23,6 @@ class TurningAxis:
     origin_m: np.ndarray  # (3,) the point o in it, at the height of the reference tag's centre
     up_c: np.ndarray  # (3,) unit vector m in the camera's frame
     centre_c_m: np.ndarray  # (3,) the point c in it
-    turned_rad: float  # the arc that the frames cover
     wander_m: float  # RMS of where o really was around c, on the ground
     wobble_rad: float  # RMS angle between R_f n and m
 
@@ -58,6 +57,7 @@ def fit_turning_axis(cMr: np.ndarray, weights: np.ndarray | None = None) -> Turn
     A, b = across @ (R - mean_R), (mean_t - t) @ across
     normal = np.einsum("n,nki,nkj->ij", weights, A, A) + np.outer(n, n)
     origin = np.linalg.solve(normal, np.einsum("n,nki,nk->i", weights, A, b))
+    origin -= (origin @ n) * n
     off_centre = np.einsum("nij,j->ni", A, origin) - b
     tilt = np.linalg.norm(np.cross(R @ n, m), axis=1)
     return TurningAxis(
@@ -65,7 +65,6 @@ def fit_turning_axis(cMr: np.ndarray, weights: np.ndarray | None = None) -> Turn
         origin_m=origin,
         up_c=m,
         centre_c_m=mean_R @ origin + mean_t,
-        turned_rad=_arc(R, n, m),
         wander_m=float(np.sqrt(weights @ (off_centre**2).sum(axis=1))),
         wobble_rad=float(np.sqrt(weights @ tilt**2)),
     )
@@ -93,10 +92,10 @@ def settle_flips(cMt: np.ndarray, errors_px: np.ndarray) -> np.ndarray:
     return cMt[everyone, chosen]
 
 
-def _arc(R: np.ndarray, n: np.ndarray, m: np.ndarray) -> float:
-    """What is left of the full circle without the largest gap between two frames' directions."""
-    body_axis = np.linalg.svd(n[None])[2][1]  # any direction across n
-    first = np.linalg.svd(m[None])[2][1]
-    seen = R @ body_axis
-    angles = np.sort(np.arctan2(seen @ np.cross(m, first), seen @ first))
+def turned_rad(axis: TurningAxis, cMr: np.ndarray) -> float:
+    """The arc that the frames cover: what is left of the full circle without the largest gap between two of them."""
+    body_axis = np.linalg.svd(axis.up[None])[2][1]  # any direction across it
+    first = np.linalg.svd(axis.up_c[None])[2][1]
+    seen = cMr[:, :3, :3] @ body_axis
+    angles = np.sort(np.arctan2(seen @ np.cross(axis.up_c, first), seen @ first))
     return float(2 * np.pi - np.diff(angles, append=angles[0] + 2 * np.pi).max())

@@ -17,7 +17,7 @@ from pilotfish.body_learning.adjustment import Adjustment
 from pilotfish.body_learning.base_frame import Base, base_from_reference
 from pilotfish.body_learning.rigid import step_between
 
-DRAWS = 400  # a standard deviation from 400 draws is known to 1 / sqrt(2 * 400) = 3.5 %
+DRAWS = 200  # a standard deviation from 200 draws is known to 1 / sqrt(2 * 200) = 5 %
 BLOCKS = 12
 
 

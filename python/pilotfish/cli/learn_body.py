@@ -111,11 +111,13 @@ def learn_body(
     from pilotfish import body_learning
     from pilotfish.coordinator import load_calibration
     from pilotfish.errors import ConfigError, PilotfishError
+    from pilotfish.vision import TagFamily
 
     sizes = _sizes(tag_size)
     with friendly_errors():
         try:
             model = load_calibration(str(camera))
+            TagFamily(family)  # refused here, before the film is opened
             base = _base(reference_tag, facing_deg, height_of, position_m, tilt_deg, roll_deg, reference_leader)
         except PilotfishError:
             raise
@@ -254,11 +256,11 @@ def _report(collected: Collected, learned: LearnedBody) -> None:
     said = (
         f"{collected.frames_read} frames read, {learned.frames_used} used; reprojection error {learned.rms_px:.3f} px"
     )
-    if learned.turning:
+    if learned.turning and learned.turned_rad:
         axis = learned.turning
         said += (
-            f"; turned by {math.degrees(axis.turned_rad):.0f} degrees, its centre within {axis.wander_m * 1e3:.1f} mm, "
-            f"its axis within {math.degrees(axis.wobble_rad):.2f} degrees (RMS)"
+            f"; turned by {math.degrees(learned.turned_rad):.0f} degrees, its centre within "
+            f"{axis.wander_m * 1e3:.1f} mm, its axis within {math.degrees(axis.wobble_rad):.2f} degrees (RMS)"
         )
     console.print(said, soft_wrap=True)
     warnings = list(learned.warnings)
