@@ -27,6 +27,13 @@ def test_tags_never_seen_together_are_named_by_group():
         learn_body(dataclasses.replace(seen, **_sorted(seen)), CAMERA)
 
 
+def test_two_tags_back_to_back_are_never_seen_together():
+    body = core.LeaderBody([FIVE.tags[0], tag(3, 0.16, [0.2, 0, 0.25], 0)])
+    seen = sightings_of(body, one_turn(60), sigma_px=0.1, seed=1)
+    with pytest.raises(BodyLearningError, match=r"never seen together.*: \{0\}; \{3\}"):
+        learn_body(seen, CAMERA)
+
+
 def _sorted(seen):
     order = np.argsort(seen.ids)
     return {"tag": np.argsort(order)[seen.tag], "ids": seen.ids[order], "sizes_m": seen.sizes_m[order]}

@@ -46,7 +46,7 @@ def adjust(camera: CameraModel, sightings: Sightings, reference_id: int) -> Adju
     usable = np.isfinite(errors_px).all(axis=1)
     enough = sightings.seen_together() if len(ids) > 1 else usable
     frames = len(np.unique(sightings.frame[enough & usable]))
-    if frames < FEWEST_FRAMES:
+    if 0 < frames < FEWEST_FRAMES:  # without any, guess_layout says which tags were apart
         raise BodyLearningError(
             f"only {frames} frames "
             + ("show two tags at once" if len(ids) > 1 else "show the tag")

@@ -41,8 +41,9 @@ def fit_turning_axis(cMr: np.ndarray, weights: np.ndarray | None = None) -> Turn
     m, n = left[:, 0], right[0]
     if lengths[1] > LEAST_TURN:
         raise BodyLearningError(
-            "the robot hardly turned between the frames: let it turn in place, by a quarter of a turn or more, or give "
-            "the reference tag's place on the robot with --reference-position"
+            "the robot hardly turned over the frames that can be used (those that show two tags, if it wears several): "
+            "let it turn in place, by a quarter of a turn or more, with two tags in view, or give the reference tag's "
+            "place on the robot with --reference-position"
         )
     if abs(m[1]) < MOST_TILT:
         raise BodyLearningError(
