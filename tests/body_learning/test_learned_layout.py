@@ -1,5 +1,7 @@
 """What is learned is what was there, to within what is said about it."""
 
+import functools
+
 import numpy as np
 import pytest
 from turning_bodies import (
@@ -102,7 +104,7 @@ def test_twelve_tags_all_round_are_learned():
     assert np.degrees(learned.turned_rad) == pytest.approx(350.0, abs=1.0)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_frontal_views_from_afar_do_not_turn_tags_round(seed):
     # At 2.5 m with 0.3 px of noise a tag of 24 to 38 px that is within 25 degrees of frontal flips in many frames. Two
     # of the three are in one plane, so that a flipped frame fits them, too.
@@ -124,7 +126,7 @@ def test_frontal_views_from_afar_do_not_turn_tags_round(seed):
     assert sum(known.dropped for known in learned.tags) < 0.05 * len(seen)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_a_single_tag_s_place_beside_the_turning_centre_is_learned(seed):
     body = core.LeaderBody([tag(4, 0.16, [-0.2, 0.03, 0.25], 170)])
     seen = sightings_of(body, one_turn(60, from_deg=-60, to_deg=60), sigma_px=0.1, seed=seed)
@@ -146,14 +148,19 @@ def test_corners_in_the_wrong_place_are_left_out():
     assert learned.rms_px < 0.12
 
 
+@functools.lru_cache(maxsize=1)
+def learned_without_a_height():
+    return learn_body(filmed().sightings, CAMERA)
+
+
 def test_without_a_height_heights_count_from_the_reference_tag_and_that_is_said():
-    learned = learn_body(filmed().sightings, CAMERA)
+    learned = learned_without_a_height()
     assert learned.body.tags[0].position_m[2] == pytest.approx(0.0, abs=1e-12)
     assert any("--height-of" in warning for warning in learned.warnings)
 
 
 def test_the_same_film_gives_the_same_bits():
-    first, second = (learn_body(filmed().sightings, CAMERA) for _ in range(2))
+    first, second = learned_without_a_height(), learn_body(filmed().sightings, CAMERA)
     for a, b in zip(first.tags, second.tags, strict=True):
         assert np.array_equal(a.covariance, b.covariance)
     assert repr(first.body.tags) == repr(second.body.tags)
