@@ -16,6 +16,12 @@ class RecordingError(PilotfishError, ValueError):
     exit_code = 65
 
 
+class BodyLearningError(PilotfishError, ValueError):
+    """A video from which a body cannot be learned; the message says what to film or to say instead."""
+
+    exit_code = 65
+
+
 class MissingFileError(PilotfishError, FileNotFoundError):
     """A file or shipped data file that is not there."""
 

@@ -22,11 +22,11 @@ def run(*arguments):
 
 def test_without_a_command_the_help_is_shown():
     _, said = run()
-    for command in ("experiment", "render", "plot", "demo"):
+    for command in ("experiment", "render", "plot", "learn-body", "demo"):
         assert f" {command} " in said
 
 
-@pytest.mark.parametrize("command", ["experiment", "render", "plot", "demo"])
+@pytest.mark.parametrize("command", ["experiment", "render", "plot", "learn-body", "demo"])
 def test_every_help_has_an_example_to_copy(command):
     result, said = run(command, "--help")
     assert result.exit_code == 0

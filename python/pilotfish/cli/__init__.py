@@ -1,4 +1,4 @@
-"""The command line: ``pilotfish experiment | render | plot | demo``."""
+"""The command line: ``pilotfish experiment | render | plot | learn-body | demo``."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ import typer
 from pilotfish import __version__
 from pilotfish.cli.demo import demo
 from pilotfish.cli.experiment import experiment
+from pilotfish.cli.learn_body import learn_body
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 
 app = typer.Typer(
     name="pilotfish",
-    help="A robot follows another robot by sight alone: run the experiments, render pictures, draw results.",
+    help="A robot follows another robot by sight alone: run experiments, render, draw, learn a leader's body.",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (experiment, render, plot, demo):
+for command in (experiment, render, plot, learn_body, demo):
     app.command()(command)
 
 

@@ -15,16 +15,21 @@ from pilotfish.errors import PilotfishError
 console = Console()
 _errors = Console(stderr=True)
 
-OnProgress = Callable[[int, int], None]
+OnProgress = Callable[[int, int | None], None]
 
 
 @contextmanager
 def progress(label: str) -> Iterator[OnProgress]:
-    """A bar on stderr that the yielded function moves: ``step(done, total)``."""
+    """A bar on stderr that the yielded function moves: ``step(done, total)``, total None if unknown."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=_errors) as bar:
         task = bar.add_task(label, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def warn(message: str) -> None:
+    """One line on stderr about something that worked, but not as well as it could."""
+    _errors.print(f"[yellow]warning:[/] {escape(message)}", soft_wrap=True)
 
 
 @contextmanager

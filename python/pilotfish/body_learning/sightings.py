@@ -1,0 +1,150 @@
+"""What the frames show: every tag in every picture, as four corners."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from pilotfish.core import CameraModel, Frame, Reason
+from pilotfish.errors import BodyLearningError
+from pilotfish.vision import TagDetector
+
+MAX_TAGS = 12  # on one body
+FEWEST_SIGHTINGS = 3  # of an id; what is seen more rarely is a misreading
+# A tag's own frame: x right and y down as one reads it; corners from the bottom left, counter-clockwise.
+UNIT_CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])
+
+
+@dataclass(frozen=True)
+class TagSizes:
+    """Sides of the black squares [m]: by id, and for all others ``default_m``, if there is one."""
+
+    default_m: float | None = None
+    by_id: Mapping[int, float] | None = None
+
+    def of(self, tag_id: int) -> float | None:
+        return (self.by_id or {}).get(tag_id, self.default_m)
+
+
+@dataclass(frozen=True)
+class Sightings:
+    """S sightings of T tags in N frames.
+
+    ``frame`` (S,): 0 to N - 1; ``tag`` (S,): place in ``ids``; ``corners_px`` (S, 4, 2): AprilTag's order;
+    ``ids`` (T,): sorted; ``sizes_m`` (T,).
+    """
+
+    frame: np.ndarray
+    tag: np.ndarray
+    corners_px: np.ndarray
+    ids: np.ndarray
+    sizes_m: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+    @property
+    def frame_count(self) -> int:
+        return int(self.frame.max()) + 1 if len(self) else 0
+
+    @property
+    def corners_m(self) -> np.ndarray:
+        """(S, 4, 3): the corners of each sighting's tag in the tag's own frame."""
+        return UNIT_CORNERS * self.sizes_m[self.tag, None, None]
+
+    def where(self, kept: np.ndarray) -> Sightings:
+        """The sightings for which ``kept`` (S,) holds; frames and tags without any disappear."""
+        _, frame = np.unique(self.frame[kept], return_inverse=True)
+        tags, tag = np.unique(self.tag[kept], return_inverse=True)
+        return Sightings(frame, tag, self.corners_px[kept], self.ids[tags], self.sizes_m[tags])
+
+    def seen_together(self) -> np.ndarray:
+        """(S,): whether another tag was seen in the same frame."""
+        return np.bincount(self.frame, minlength=self.frame_count)[self.frame] > 1
+
+
+@dataclass(frozen=True)
+class Collected:
+    """The sightings of a video, and what was left out of them."""
+
+    sightings: Sightings
+    frames_read: int
+    frames_undecodable: int
+    rare_ids: tuple[int, ...]  # seen in fewer than FEWEST_SIGHTINGS frames, hence not believed
+
+
+def collect_sightings(
+    frames: Iterable[Frame],
+    camera: CameraModel,
+    sizes: TagSizes,
+    *,
+    family: str = "tag36h11",
+    every: int = 1,
+    ignored_ids: frozenset[int] = frozenset(),
+    on_frame: Callable[[int], None] | None = None,
+) -> Collected:
+    """Detects tags in every ``every``-th frame. An id that is seen twice in one picture is left out of it.
+
+    Raises BodyLearningError: frames of another size than the calibration's, no tag, an id without a size.
+    """
+    detector = TagDetector(family)
+    found: list[tuple[int, int, np.ndarray]] = []
+    read = undecodable = 0
+    for number, frame in enumerate(frames):
+        if on_frame:
+            on_frame(number + 1)
+        if number % every:
+            continue
+        read += 1
+        if frame.defect != Reason.none:
+            undecodable += 1
+            continue
+        if (frame.width, frame.height) != (camera.width, camera.height):
+            raise BodyLearningError(
+                f"frame {number} has {frame.width}x{frame.height} px, the camera was calibrated with "
+                f"{camera.width}x{camera.height}: film at the calibration's size, or calibrate at the film's"
+            )
+        tags = [tag for tag in detector.detect(frame.image).tags if tag.id not in ignored_ids]
+        ids = [tag.id for tag in tags]
+        found += [(number, tag.id, tag.corners_px) for tag in tags if ids.count(tag.id) == 1]
+    if not found:
+        raise BodyLearningError(
+            f"no {family} tag in any of {read} frames: film nearer (a tag's side should span 40 pixels or more), with "
+            "more light and without motion blur, and check --family"
+        )
+    return _checked(found, sizes, read, undecodable)
+
+
+def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: int, undecodable: int) -> Collected:
+    frame, tag_id = (np.array(column) for column in list(zip(*found, strict=True))[:2])
+    ids, counts = np.unique(tag_id, return_counts=True)
+    rare = tuple(ids[counts < FEWEST_SIGHTINGS].tolist())
+    unknown = [i for i in ids.tolist() if i not in rare and sizes.of(i) is None]
+    if unknown:
+        raise BodyLearningError(
+            f"no size is given for {_named(unknown)}: add "
+            + " ".join(f"--tag-size {i}=METRES" for i in unknown)
+            + ", or --ignore ID if it is not on the robot"
+        )
+    sizes_m = np.array([sizes.of(i) or np.nan for i in ids.tolist()])
+    everything = Sightings(
+        frame, np.searchsorted(ids, tag_id), np.array([corners for *_, corners in found]), ids, sizes_m
+    )
+    believed = everything.where(~np.isin(tag_id, rare))
+    if not len(believed):
+        raise BodyLearningError(
+            f"{_named(rare)}: seen in fewer than {FEWEST_SIGHTINGS} frames each, of {read}: film for longer"
+        )
+    if len(believed.ids) > MAX_TAGS:
+        raise BodyLearningError(
+            f"{len(believed.ids)} ids were seen ({_named(believed.ids.tolist())}), a body wears at most {MAX_TAGS}: "
+            "name those that are not on the robot with --ignore ID"
+        )
+    return Collected(believed, read, undecodable, rare)
+
+
+def _named(ids: Iterable[int]) -> str:
+    ids = list(ids)
+    return ("tag " if len(ids) == 1 else "tags ") + ", ".join(map(str, ids))

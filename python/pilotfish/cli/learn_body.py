@@ -1,0 +1,223 @@
+"""``pilotfish learn-body``: from a video of a turning robot to its leader YAML."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pilotfish.cli.console import console, friendly_errors, progress
+
+if TYPE_CHECKING:
+    from pilotfish.body_learning import KnownTag, TagSizes, TurningCentre
+    from pilotfish.capture import FrameSource
+
+TURNING, KNOWN = "The base frame from the turning", "The base frame from a tag whose place is known"
+
+
+def learn_body(
+    film: Annotated[Path, typer.Argument(exists=True, help="A video file, or a folder of pictures.")],
+    camera: Annotated[
+        Path, typer.Option("--camera", exists=True, dir_okay=False, help="Its calibration: OpenCV's YAML, ViSP's XML.")
+    ],
+    tag_size: Annotated[
+        list[str],
+        typer.Option(
+            "--tag-size",
+            help="Side of the black squares in metres, as 0.16; of one id, as 7=0.10. Can be repeated.",
+            metavar="[ID=]METRES",
+        ),
+    ],
+    output: Annotated[Path, typer.Option("--output", dir_okay=False, help="The leader YAML to write.")],
+    name: Annotated[str | None, typer.Option(help="Of the leader; default: OUTPUT without its ending.")] = None,
+    family: Annotated[str, typer.Option(help="Of the tags.")] = "tag36h11",
+    every: Annotated[int, typer.Option(min=1, help="Look at every N-th frame only.", metavar="N")] = 1,
+    ignore: Annotated[
+        list[int] | None, typer.Option("--ignore", help="An id that is not on the robot. Can be repeated.")
+    ] = None,
+    reference_tag: Annotated[
+        int | None, typer.Option(help="The tag that forward is told by; default: the smallest id.")
+    ] = None,
+    facing_deg: Annotated[
+        float,
+        typer.Option("--reference-facing-deg", help="Where that tag looks: 0 forward, 90 left, 180 to the rear."),
+    ] = 180.0,
+    height_of: Annotated[
+        str | None,
+        typer.Option(
+            help="A tag and the height of its centre above the ground, as 0=0.25.",
+            metavar="ID=METRES",
+            rich_help_panel=TURNING,
+        ),
+    ] = None,
+    position_m: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--reference-position",
+            help="The reference tag's centre in the base frame: forward, left, up in metres.",
+            metavar="X Y Z",
+            rich_help_panel=KNOWN,
+        ),
+    ] = None,
+    tilt_deg: Annotated[
+        float, typer.Option("--reference-tilt-deg", help="Positive: it looks up.", rich_help_panel=KNOWN)
+    ] = 0.0,
+    roll_deg: Annotated[
+        float,
+        typer.Option("--reference-roll-deg", help="Turned clockwise, as one reads it.", rich_help_panel=KNOWN),
+    ] = 0.0,
+    reference_leader: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True, dir_okay=False, help="A leader YAML that holds the reference tag.", rich_help_panel=KNOWN
+        ),
+    ] = None,
+) -> None:
+    """Learn where the tags of a leader sit, from a video of it turning, and write its YAML.
+
+    \b
+    What to film
+      Put the camera still, upright and roughly level, 1 to 2 m from the robot,
+      and let the robot turn in place, slowly (20 seconds a turn), once or twice
+      all round. A tag's side should span 40 pixels or more. Neighbouring tags
+      must be seen together: at least two tags in one picture, and a chain of
+      such pictures from any tag to any other. One to twelve tags.
+
+    \b
+    What is needed
+      A calibrated camera (at the film's size and focus): without it, angles and
+      distances would be bent. The sides of the black squares: all lengths are
+      as right as they are. If one of them does not fit the others, it is named.
+
+    \b
+    What comes out
+      The tags in the robot's base frame: the turning axis is its z axis, through
+      the origin. Forward follows from where the reference tag looks, the ground
+      from the height of one tag. If the robot cannot turn in place, measure
+      where one tag sits and say so with --reference-position (or in a YAML, with
+      --reference-leader); then move robot or camera as you like.
+      The table says how well each place is known (one standard deviation).
+
+    \b
+    Examples
+      pilotfish learn-body turn.mp4 --camera camera.yaml --tag-size 0.16 \\
+          --height-of 0=0.25 --output my_robot.yaml
+      pilotfish learn-body pictures --camera camera.yaml --tag-size 0.16 \\
+          --tag-size 7=0.10 --reference-tag 0 --reference-position -0.2 0 0.25 \\
+          --output my_robot.yaml
+    """
+    from pilotfish import body_learning
+    from pilotfish.cli.body_report import print_report, remarks
+    from pilotfish.coordinator import load_calibration
+    from pilotfish.errors import ConfigError, PilotfishError
+    from pilotfish.vision import TagFamily
+
+    sizes = _sizes(tag_size)
+    with friendly_errors():
+        try:
+            model = load_calibration(str(camera))
+            TagFamily(family)  # refused here, before the film is opened
+            base = _base(reference_tag, facing_deg, height_of, position_m, tilt_deg, roll_deg, reference_leader)
+        except PilotfishError:
+            raise
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+        source, pictures = _open(film)
+        with progress("finding tags") as step:
+            collected = body_learning.collect_sightings(
+                source,
+                model,
+                sizes,
+                family=family,
+                every=every,
+                ignored_ids=frozenset(ignore or ()),
+                on_frame=lambda done: step(done, pictures),
+            )
+        with console.status("learning the layout"):
+            learned = body_learning.learn_body(
+                collected.sightings,
+                model,
+                base=base,
+                reference_id=reference_tag,
+                family=family,
+                name=name or output.stem,
+            )
+        body_learning.write_leader_body(output, learned.body, remarks(film.name, learned))
+        print_report(collected, learned)
+        console.print(f"wrote {output}", soft_wrap=True)
+
+
+def _number(text: str, option: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise typer.BadParameter(f"{option}: '{text}' is not a number of metres") from None
+    if not (math.isfinite(value) and value > 0.0):
+        raise typer.BadParameter(f"{option}: {text} is not a length; metres above 0 are")
+    return value
+
+
+def _of_tag(text: str, option: str) -> tuple[int, float]:
+    """'7=0.10' is (7, 0.10)."""
+    tag_id, _, length = text.partition("=")
+    if not tag_id.strip().isdigit():
+        raise typer.BadParameter(f"{option}: '{text}' is not ID=METRES, as in 7=0.10")
+    return int(tag_id), _number(length, option)
+
+
+def _sizes(texts: list[str]) -> TagSizes:
+    from pilotfish.body_learning import TagSizes
+
+    default = [_number(text, "--tag-size") for text in texts if "=" not in text]
+    if len(default) > 1:
+        raise typer.BadParameter("--tag-size: several sizes for all tags; give those of single tags as ID=METRES")
+    by_id = dict(_of_tag(text, "--tag-size") for text in texts if "=" in text)
+    return TagSizes(default[0] if default else None, by_id)
+
+
+def _base(
+    reference_tag: int | None,
+    facing_deg: float,
+    height_of: str | None,
+    position_m: tuple[float, float, float] | None,
+    tilt_deg: float,
+    roll_deg: float,
+    leader: Path | None,
+) -> KnownTag | TurningCentre:
+    from pilotfish.body_learning import KnownTag, TurningCentre
+    from pilotfish.coordinator import load_leader_body
+    from pilotfish.core import BodyTag
+    from pilotfish.errors import BodyLearningError
+
+    if leader is None and position_m is None:
+        height = _of_tag(height_of, "--height-of") if height_of else None
+        return TurningCentre(math.radians(facing_deg), height)
+    if height_of or (leader and position_m):
+        raise typer.BadParameter("--height-of, --reference-position and --reference-leader exclude each other")
+    if leader is not None:
+        known = {tag.id: tag for tag in load_leader_body(str(leader)).tags}
+        tag_id = reference_tag if reference_tag is not None else min(known)
+        if tag_id not in known:
+            raise BodyLearningError(f"{leader} has no tag {tag_id}; it has {sorted(known)}")
+        return KnownTag(known[tag_id])
+    if reference_tag is None:
+        raise typer.BadParameter("--reference-position needs --reference-tag ID: whose position is it?")
+    angles = {"facing_rad": facing_deg, "tilt_rad": tilt_deg, "roll_rad": roll_deg}
+    angles = {key: math.radians(value) for key, value in angles.items()}
+    return KnownTag(BodyTag(id=reference_tag, position_m=list(position_m), **angles))
+
+
+def _open(film: Path) -> tuple[FrameSource, int | None]:
+    """The frames, and how many there are if that is known beforehand."""
+    from pilotfish.capture import CaptureError, open_images, open_video
+    from pilotfish.errors import BodyLearningError
+
+    try:
+        if not film.is_dir():
+            return open_video(str(film)), None
+        pictures = sum(1 for file in film.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"})
+        return open_images(str(film)), pictures or None
+    except CaptureError as error:
+        raise BodyLearningError(str(error)) from error
