@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from bench.vision.runs import Eye, compare
-from bench.vision.scenes import CAMERAS, Motion, Stage
+from bench.vision.scenes import CAMERAS, Motion, Picture, Stage
 from bench.vision.summary import Figures
 from pilotfish import core
 
@@ -15,10 +15,10 @@ DISTANCES_M = (0.65, 1.1, 2.44, 5.0)
 Cells = dict[str, dict[float, dict[str, Figures]]]  # size -> distance -> eye
 
 
-def frames_of_cell(camera: core.CameraModel, distance_m: float, count: int, seed: int) -> list:
+def frames_of_cell(camera: core.CameraModel, distance_m: float, count: int, seed: int) -> list[Picture]:
     """One cell's frames: a leader that wanders sideways at about 0.3 m/s and turns from side to side."""
     rng = np.random.default_rng([seed, camera.width, round(1000 * distance_m)])
-    poses = list(Motion(distance_m).poses(count, rng))
+    poses = Motion(distance_m).poses(count, rng)
     stage = Stage(camera, int(rng.integers(1, 10_000)))
     return list(stage.pictures(poses))
 

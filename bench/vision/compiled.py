@@ -9,13 +9,17 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
+from pilotfish.errors import PilotfishError
+
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "bench"
 MODULE = "bench_vision_peers"
 
 
-class BenchError(Exception):
-    """Something that the user can mend; the message says how."""
+class PeersError(PilotfishError):
+    """The peers cannot be built or loaded; the message says what is missing."""
+
+    exit_code = 69
 
 
 def load_compiled(say: Callable[[str], None]) -> ModuleType:
@@ -35,4 +39,4 @@ def load_compiled(say: Callable[[str], None]) -> ModuleType:
 def _run(command: list[object]) -> None:
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     if done.returncode != 0:
-        raise BenchError(f"{' '.join(map(str, command))} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+        raise PeersError(f"{' '.join(map(str, command))} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")

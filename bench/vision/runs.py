@@ -11,8 +11,6 @@ from bench.vision.answers import Answer
 from bench.vision.scenes import Picture
 from bench.vision.summary import Figures, figures_of
 
-OnProgress = Callable[[int, int], None]
-
 
 class Eye(Protocol):
     """Somebody who looks for the leader."""

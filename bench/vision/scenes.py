@@ -7,7 +7,8 @@ every frame anew and a tracker that remembers the last one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,9 +80,9 @@ def corners_px(camera: core.CameraModel, cMt: np.ndarray, size_m: float = TAG_SI
     return np.array([camera.project(point) for point in corners_t @ cMt[:3, :3].T + cMt[:3, 3]])
 
 
-def triangle(phase: np.ndarray) -> np.ndarray:
+def triangle(phase: float) -> float:
     """From -1 to 1 and back within a period of 1, at constant speed: every value is equally frequent."""
-    return 4.0 * np.abs(phase - np.floor(phase) - 0.5) - 1.0
+    return 4.0 * abs(phase - math.floor(phase) - 0.5) - 1.0
 
 
 class Wander:
@@ -105,27 +106,35 @@ class Motion:
     sweep_s: float = 3.3  # from one extreme yaw to the other
     sideways_mps: float = 0.3
     sideways_share: float = 0.22  # amplitude over distance
-    distance_share: float = 0.02  # amplitude over distance
+    ahead_mps: float = 0.1
+    ahead_share: float = 0.02  # amplitude over distance
 
-    def poses(self, count: int, rng: np.random.Generator, rate_hz: float = FRAME_RATE_HZ) -> Iterator[np.ndarray]:
-        """cMt at k / rate_hz, k = 0 .. count - 1."""
+    def path(self, rng: np.random.Generator) -> Callable[[float], np.ndarray]:
+        """cMt (4, 4) as a function of time [s]."""
         d = self.distance_m
         aside = Wander(rng, self.sideways_share, self.sideways_mps / d)
         above = Wander(rng, 0.06, 0.05 / d)
-        ahead = Wander(rng, self.distance_share * d, 0.1)
+        ahead = Wander(rng, self.ahead_share * d, self.ahead_mps)
         pitch, roll = (Wander(rng, np.radians(3.0), np.radians(5.0)) for _ in range(2))
         start = rng.uniform()
-        for k in range(count):
-            t = k / rate_hz
-            yaw = self.max_yaw_deg * triangle(np.array(start + t / (2 * self.sweep_s)))
-            yield tag_pose(
+
+        def at(t: float) -> np.ndarray:
+            yaw_deg = self.max_yaw_deg * triangle(start + t / (2 * self.sweep_s))
+            return tag_pose(
                 d + ahead(t),
                 azimuth_rad=aside(t),
                 elevation_rad=above(t),
-                yaw_rad=float(np.radians(yaw)),
+                yaw_rad=np.radians(yaw_deg),
                 pitch_rad=pitch(t),
                 roll_rad=roll(t),
             )
+
+        return at
+
+    def poses(self, count: int, rng: np.random.Generator) -> list[np.ndarray]:
+        """cMt (4, 4) at the first `count` frames."""
+        path = self.path(rng)
+        return [path(k / FRAME_RATE_HZ) for k in range(count)]
 
 
 class Stage:
@@ -135,26 +144,24 @@ class Stage:
         self.camera = camera
         self._renderer = sim.Renderer(camera, sim.Imperfections(**(REAL | imperfections)), clutter_seed=seed)
         self._seed = seed
-        self._leader = sim.RobotBody(box_size_m=[0.24, 0.26, 0.26], box_position_m=[0.12, 0.0, 0.0])
-        self._leader.leader = LEADER
         self._furniture = self._placed_furniture(np.random.default_rng(seed))
 
-    def picture(self, cMt: np.ndarray, index: int) -> Picture:
-        """Of frame number `index`: the robot that carries the camera sways as it drives, so the clutter moves too."""
-        heading_rad = self.heading_rad(index)
-        image = self._renderer.render(
-            [(self._leader, body_pose(cMt)), *self._furniture],
-            camera_heading_rad=heading_rad,
-            seed=1 + self._seed * 100_003 + index,
-        )
-        return Picture(image, cMt, utime_of(index))
+    def image(self, worn: Sequence[tuple[core.LeaderBody, np.ndarray]], index: float) -> np.ndarray:
+        """(H, W) uint8 of robots, given as (what it wears, cMt of its tag), at frame number `index`, which need not be
+        whole. The robot that carries the camera sways as it drives, so the clutter moves too."""
+        robots = []
+        for leader, cMt in worn:
+            robot = sim.RobotBody(box_size_m=[0.24, 0.26, 0.26], box_position_m=[0.12, 0.0, 0.0])
+            robot.leader = leader
+            robots.append((robot, body_pose(cMt)))
+        heading_rad = 0.2 * float(np.sin(0.7 * index / FRAME_RATE_HZ))
+        seed = 1 + self._seed * 100_003 + math.floor(index)
+        return self._renderer.render([*robots, *self._furniture], camera_heading_rad=heading_rad, seed=seed)
 
     def pictures(self, poses: Sequence[np.ndarray]) -> Iterator[Picture]:
-        return (self.picture(cMt, index) for index, cMt in enumerate(poses))
-
-    @staticmethod
-    def heading_rad(index: float) -> float:
-        return 0.2 * float(np.sin(0.7 * index / FRAME_RATE_HZ))
+        """LEADER at these poses, one a frame."""
+        for index, cMt in enumerate(poses):
+            yield Picture(self.image([(LEADER, cMt)], index), cMt, utime_of(index))
 
     @staticmethod
     def _placed_furniture(rng: np.random.Generator) -> list[tuple[sim.RobotBody, np.ndarray]]:

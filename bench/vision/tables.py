@@ -7,7 +7,10 @@ import math
 from rich.table import Table
 
 from bench.vision.accuracy import Cells
+from bench.vision.goals import Goal
 from bench.vision.summary import Figures
+from bench.vision.units import mm, ms, percent
+from bench.vision.without_leader import Verdict
 
 
 def figures_table(title: str, figures: dict[str, Figures]) -> Table:
@@ -34,13 +37,43 @@ def accuracy_tables(cells: Cells) -> list[Table]:
     ]
 
 
-def mm(value: float, sign: str = "") -> str:
-    return "-" if math.isnan(value) else f"{value:{sign}.2f} mm" if abs(value) < 10 else f"{value:{sign}.0f} mm"
+def medians_table(title: str, medians: dict[str, dict[str, float]]) -> Table:
+    """`medians`: [mm] by column and eye."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("eye")
+    for column in medians:
+        table.add_column(column, justify="right")
+    for name in next(iter(medians.values())):
+        table.add_row(name, *[mm(by_eye[name]) for by_eye in medians.values()])
+    return table
 
 
-def ms(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:.3f} ms" if value < 1 else f"{value:.1f} ms"
+def verdict_table(verdict: Verdict) -> Table:
+    """What was taken for the leader."""
+    table = Table(title="clutter, noise and other tags", title_justify="left")
+    table.add_column("frames")
+    table.add_column("shown", justify="right")
+    table.add_column("observations", justify="right")
+    table.add_row("without a leader", str(verdict.frames), str(verdict.wrong))
+    table.add_row("with the leader, in between", str(verdict.shown), str(verdict.seen))
+    return table
 
 
-def percent(share: float) -> str:
-    return "-" if math.isnan(share) else f"{100 * share:.1f} %"
+def goals_table(goals: list[Goal]) -> Table:
+    """One row a goal."""
+    table = Table(title="goals", title_justify="left")
+    for column in ("goal", "bound", "best peer", "ours"):
+        table.add_column(column)
+    table.add_column("ratio", justify="right")
+    table.add_column("met")
+    for goal in goals:
+        met = "[green]yes[/]" if goal.met else "[red]no[/]"
+        table.add_row(goal.name, goal.bound, goal.peer, goal.ours, fraction(goal.ratio), met)
+    return table
+
+
+def fraction(ratio: float) -> str:
+    """0.005 is "1/200": what is much smaller is read as a part."""
+    if math.isnan(ratio):
+        return "-"
+    return f"1/{1 / ratio:.0f}" if 0 < ratio < 0.1 else f"{ratio:.2f}"

@@ -38,7 +38,7 @@ class AprilTagWheel:
         camera = _matrix(self._intrinsics)
         until = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-10)
         seen = found["lb-rb-rt-lt"].reshape(-1, 1, 2)
-        straight = cv2.undistortPointsIter(seen, camera, self._distortion, None, camera, until)[:, 0]
+        straight = cv2.undistortPoints(seen, camera, self._distortion, P=camera, criteria=until).reshape(4, 2)
         tag = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1]], dtype=np.float32)
         homography = cv2.getPerspectiveTransform(tag, straight.astype(np.float32))
         return found | {"lb-rb-rt-lt": straight, "homography": homography}
@@ -54,10 +54,8 @@ class ArUco:
 
         cv2.setNumThreads(1)
         parameters = cv2.aruco.DetectorParameters()
-        parameters.cornerRefinementMinAccuracy, parameters.cornerRefinementMaxIterations = (
-            0.01,
-            50,
-        )  # the defaults stop early
+        parameters.cornerRefinementMinAccuracy = 0.01  # the default, 0.1 px, stops early
+        parameters.cornerRefinementMaxIterations = 50
         parameters.cornerRefinementMethod = getattr(cv2.aruco, f"CORNER_REFINE_{refinement}")
         dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
         self._detector = cv2.aruco.ArucoDetector(dictionary, parameters)
