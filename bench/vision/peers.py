@@ -12,12 +12,14 @@ call, in a process of their own (wheels.py).
 from __future__ import annotations
 
 import multiprocessing
+import sys
 from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
 
 from bench.vision.answers import Answer
+from bench.vision.compiled import PeersError
 from bench.vision.lens import visp_coefficients
 from pilotfish import core
 
@@ -83,7 +85,10 @@ class Wheels:
         self._process.start()
         far_end.close()
         self._made = 0
-        self.versions: dict[str, str] = self._pipe.recv()
+        versions = self._pipe.recv()
+        if isinstance(versions, Exception):
+            raise PeersError(f"{versions}; run: {sys.executable} -m pip install -r bench/requirements.txt")
+        self.versions: dict[str, str] = versions
 
     def __enter__(self) -> Wheels:
         return self

@@ -60,10 +60,10 @@ def tag_pose(
     pitch_rad: float = 0.0,
     roll_rad: float = 0.0,
 ) -> np.ndarray:
-    """cMt (4, 4) of a tag at that distance from the camera. The angles of the tag are counted from the ray on which it
-    is seen: with all three zero it is seen head-on, wherever it is."""
+    """cMt (4, 4) of a tag at that distance from the camera, `azimuth_rad` to the right and `elevation_rad` up. The
+    angles of the tag are counted from the ray on which it is seen: with all three zero it is seen head-on."""
     cMt = np.eye(4)
-    towards = rotation(azimuth_rad, -elevation_rad, 0.0)
+    towards = rotation(azimuth_rad, elevation_rad, 0.0)
     cMt[:3, :3] = towards @ rotation(yaw_rad, pitch_rad, roll_rad)
     cMt[:3, 3] = towards @ [0.0, 0.0, distance_m]
     return cMt

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from rich.table import Table
 
 from bench.vision.accuracy import Cells
 from bench.vision.goals import Goal
 from bench.vision.summary import Figures
-from bench.vision.units import mm, ms, percent
+from bench.vision.units import fraction, mm, ms, percent
 from bench.vision.without_leader import Verdict
 
 
@@ -70,10 +68,3 @@ def goals_table(goals: list[Goal]) -> Table:
         met = "[green]yes[/]" if goal.met else "[red]no[/]"
         table.add_row(goal.name, goal.bound, goal.peer, goal.ours, fraction(goal.ratio), met)
     return table
-
-
-def fraction(ratio: float) -> str:
-    """0.005 is "1/200": what is much smaller is read as a part."""
-    if math.isnan(ratio):
-        return "-"
-    return f"1/{1 / ratio:.0f}" if 0 < ratio < 0.1 else f"{ratio:.2f}"

@@ -15,3 +15,10 @@ def ms(value: float) -> str:
 
 def percent(share: float) -> str:
     return "-" if math.isnan(share) else f"{100 * share:.1f} %"
+
+
+def fraction(ratio: float) -> str:
+    """0.005 is "1/200": what is much smaller is read as a part."""
+    if math.isnan(ratio):
+        return "-"
+    return f"1/{1 / ratio:.0f}" if 0 < ratio < 0.1 else f"{ratio:.2f}"

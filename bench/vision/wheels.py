@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from multiprocessing.connection import Connection
 
 import numpy as np
@@ -96,7 +96,11 @@ def _pose(rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
 
 def serve(pipe: Connection) -> None:
     """Answers until the other end closes: ("make", key, parts) -> None; ("look", key, image) -> (elapsed_ns, cMt)."""
-    pipe.send({name: version(name) for name in ("apriltag-python", "opencv-python-headless")})
+    try:
+        pipe.send({name: version(name) for name in ("apriltag-python", "opencv-python-headless")})
+    except PackageNotFoundError as error:
+        pipe.send(error)
+        return
     eyes = {}
     with contextlib.suppress(EOFError):
         while True:
