@@ -10,7 +10,7 @@ from bench.vision.sequences import sequence
 from bench.vision.summary import Figures
 from pilotfish import core
 
-SIZES = ((320, 240), (640, 480), (960, 720), (1280, 720), (1920, 1080))
+SIZES = ((320, 240), (640, 480), (1280, 720), (1920, 1080))
 MOTION = Motion(1.6, max_yaw_deg=30.0, sideways_share=0.12, sideways_mps=0.2)
 
 

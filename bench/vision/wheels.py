@@ -4,9 +4,11 @@ imports nothing of Pilotfish."""
 from __future__ import annotations
 
 import contextlib
+import os
 import time
 from importlib.metadata import PackageNotFoundError, version
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 import numpy as np
 
@@ -96,6 +98,8 @@ def _pose(rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
 
 def serve(pipe: Connection) -> None:
     """Answers until the other end closes: ("make", key, parts) -> None; ("look", key, image) -> (elapsed_ns, cMt)."""
+    with Path(os.devnull).open("w") as nowhere:  # libapriltag remarks on ambiguous poses there; errors come by the pipe
+        os.dup2(nowhere.fileno(), 2)
     try:
         pipe.send({name: version(name) for name in ("apriltag-python", "opencv-python-headless")})
     except PackageNotFoundError as error:
