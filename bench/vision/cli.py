@@ -55,7 +55,7 @@ def main(
       .venv/bin/pip install -r bench/requirements.txt
     \b
     Examples
-      .venv/bin/python bench/vision                            everything, about 12 minutes
+      .venv/bin/python bench/vision                            everything, 10 to 20 minutes
       .venv/bin/python bench/vision --quick                    a few frames of everything
       .venv/bin/python bench/vision --part drive --part lens   these alone
       .venv/bin/python bench/vision --part without-leader --frames-without-leader 100000
