@@ -1,0 +1,117 @@
+"""What the eye is to reach, as rows: the goal, the peer's figure, ours, their ratio, and whether it is met."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from bench.vision.accuracy import Cells
+from bench.vision.eyes import ACQUIRED, TRACKED, VISP_1, VISP_2, WHEEL
+from bench.vision.summary import Figures, ratio
+from bench.vision.units import mm, ms, percent
+from bench.vision.without_leader import Verdict
+
+NEAR_M = (0.65, 1.1, 2.44)
+SIZE = "640x480"
+FLAT = 1.2  # a tracked frame may cost so much more in the largest image than in the smallest
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One row. `ratio` is ours over the peer's, NaN if there is nothing to divide by."""
+
+    name: str
+    bound: str
+    peer: str
+    ours: str
+    ratio: float
+    met: bool
+
+
+def at_most(
+    name: str, bound: float, text: str, peer: str, theirs: float, ours: float, unit: Callable[[float], str]
+) -> Goal:
+    """ours / theirs <= bound. A figure that is missing meets nothing."""
+    quotient = ratio(ours, theirs)
+    return Goal(name, text, f"{peer}: {unit(theirs)}", unit(ours), quotient, quotient <= bound)
+
+
+def below(name: str, peer: str, theirs: float, ours: float) -> Goal:
+    """ours < theirs: as good is not better."""
+    quotient = ratio(ours, theirs)
+    return Goal(name, "below the better", f"{peer}: {mm(theirs)}", mm(ours), quotient, quotient < 1.0)
+
+
+def accuracy_goals(cells: Cells) -> Iterator[Goal]:
+    """Time and accuracy in the 640x480 cells."""
+    vga = cells[SIZE]
+    for d in NEAR_M:
+        eyes = vga[d]
+        ours = eyes[TRACKED].median_ms
+        for bound, text, peer in ((1 / 200, "≤ 1/200", VISP_1), (1 / 50, "≤ 1/50", VISP_2)):
+            yield at_most(f"time per tracked frame, {d} m", bound, text, peer, eyes[peer].median_ms, ours, ms)
+    for d, eyes in vga.items():
+        theirs, ours = eyes[VISP_2], eyes[ACQUIRED]
+        row = at_most(f"time per acquired frame, {d} m", 0.7, "≤ 0.7", VISP_2, theirs.median_ms, ours.median_ms, ms)
+        as_often = ours.seen >= theirs.seen
+        seen = (f"{row.peer}, seen {percent(theirs.seen)}", f"{row.ours}, seen {percent(ours.seen)}")
+        yield Goal(row.name, f"{row.bound}, seen as often", *seen, row.ratio, row.met and as_often)
+    for d, eyes in vga.items():
+        best = min((VISP_1, WHEEL), key=lambda name: _known(eyes[name].median_mm))
+        yield below(f"median distance error, {d} m", best, eyes[best].median_mm, eyes[TRACKED].median_mm)
+    for name, figure in (("median distance error", "median_mm"), ("95th percentile", "p95_mm")):
+        for d in NEAR_M:
+            theirs, ours = (getattr(vga[d][eye], figure) for eye in (VISP_1, TRACKED))
+            yield at_most(f"{name}, {d} m", 0.5, "≤ 1/2 of ViSP", VISP_1, theirs, ours, mm)
+
+
+def heading_goals(far: dict[str, Figures], head_on: dict[str, Figures]) -> Iterator[Goal]:
+    """The filtered heading of a single tag on a sequence."""
+    for name, eyes in (("heading > 10° wrong, 5 m", far), ("heading > 10° wrong, head-on 2 to 4 m", head_on)):
+        peer = min((VISP_1, WHEEL), key=lambda eye: _known(eyes[eye].headings_wrong))
+        theirs, ours = eyes[peer].headings_wrong, eyes[TRACKED].headings_wrong
+        yield Goal(name, "≤ 1 %", f"{peer}: {percent(theirs)}", percent(ours), ratio(ours, theirs), ours <= 0.01)
+
+
+def drive_goals(eyes: dict[str, Figures]) -> Iterator[Goal]:
+    """Frames of the drive in which the leader is seen."""
+    for peer in (VISP_1, VISP_2):
+        theirs, ours = eyes[peer].seen, eyes[TRACKED].seen
+        quotient = ratio(ours, theirs)
+        name = f"frames of the drive with the leader seen, of {eyes[peer].frames}"
+        yield Goal(name, "≥ 1.0", f"{peer}: {percent(theirs)}", percent(ours), quotient, quotient >= 1.0)
+
+
+def wrong_leader_goals(verdict: Verdict) -> Iterator[Goal]:
+    """Nobody may be taken for the leader; a tracker that never saw it would prove nothing."""
+    ours = f"{verdict.wrong} (leader seen in {verdict.seen} of {verdict.shown} frames between)"
+    met = verdict.wrong == 0 and verdict.seen > verdict.shown / 2
+    yield Goal(f"wrong leaders in {verdict.frames} frames without one", "0", "-", ours, math.nan, met)
+
+
+def resolution_goals(by_size: dict[str, dict[str, Figures]]) -> Iterator[Goal]:
+    """Largest frame over smallest, for the same tag in pixels."""
+
+    def pixels(size: str) -> int:
+        return math.prod(int(side) for side in size.split("x"))
+
+    small, large = min(by_size, key=pixels), max(by_size, key=pixels)
+    growth = {eye: ratio(by_size[large][eye].median_ms, by_size[small][eye].median_ms) for eye in (VISP_1, TRACKED)}
+    theirs, ours = (f"{growth[eye]:.2f}x" for eye in (VISP_1, TRACKED))
+    quotient = ratio(growth[TRACKED], growth[VISP_1])
+    name = f"time at {large} over {small}, tracked"
+    yield Goal(name, f"flat: ≤ {FLAT}x", f"{VISP_1}: {theirs}", ours, quotient, growth[TRACKED] <= FLAT)
+
+
+def visp_goals(medians: dict[str, dict[str, float]]) -> Iterator[Goal]:
+    """On ViSP's own pictures nobody shall be better."""
+    for size, by_eye in medians.items():
+        best = min((VISP_1, WHEEL), key=lambda eye: _known(by_eye[eye]))
+        name = f"median distance error, ViSP's picture {size}"
+        yield below(name, best, by_eye[best], by_eye[TRACKED])
+
+
+def _known(value: float) -> float:
+    """A figure to minimise: what is missing is worst."""
+    return math.inf if math.isnan(value) else value

@@ -1,0 +1,70 @@
+"""Figures as tables for the terminal."""
+
+from __future__ import annotations
+
+from rich.table import Table
+
+from bench.vision.accuracy import Cells
+from bench.vision.goals import Goal
+from bench.vision.summary import Figures
+from bench.vision.units import fraction, mm, ms, percent
+from bench.vision.without_leader import Verdict
+
+
+def figures_table(title: str, figures: dict[str, Figures]) -> Table:
+    """One row an eye, one sequence."""
+    table = Table(title=title, title_justify="left")
+    columns = ("seen", "median", "p95", "bias", "normals > 10°", "headings > 10°", "time")
+    table.add_column("eye")
+    for column in columns:
+        table.add_column(column, justify="right")
+    for name, f in figures.items():
+        shares = (percent(f.normals_wrong), percent(f.headings_wrong))
+        table.add_row(
+            name, percent(f.seen), mm(f.median_mm), mm(f.p95_mm), mm(f.bias_mm, "+"), *shares, ms(f.median_ms)
+        )
+    return table
+
+
+def accuracy_tables(cells: Cells) -> list[Table]:
+    """One table a cell."""
+    return [
+        figures_table(f"{size}, {distance_m} m, {next(iter(figures.values())).frames} frames", figures)
+        for size, by_distance in cells.items()
+        for distance_m, figures in by_distance.items()
+    ]
+
+
+def medians_table(title: str, medians: dict[str, dict[str, float]]) -> Table:
+    """`medians`: [mm] by column and eye."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("eye")
+    for column in medians:
+        table.add_column(column, justify="right")
+    for name in next(iter(medians.values())):
+        table.add_row(name, *[mm(by_eye[name]) for by_eye in medians.values()])
+    return table
+
+
+def verdict_table(verdict: Verdict) -> Table:
+    """What was taken for the leader."""
+    table = Table(title="clutter, noise and other tags", title_justify="left")
+    table.add_column("frames")
+    table.add_column("shown", justify="right")
+    table.add_column("observations", justify="right")
+    table.add_row("without a leader", str(verdict.frames), str(verdict.wrong))
+    table.add_row("with the leader, in between", str(verdict.shown), str(verdict.seen))
+    return table
+
+
+def goals_table(goals: list[Goal]) -> Table:
+    """One row a goal."""
+    table = Table(title="goals", title_justify="left")
+    for column in ("goal", "bound", "best peer", "ours"):
+        table.add_column(column)
+    table.add_column("ratio", justify="right")
+    table.add_column("met")
+    for goal in goals:
+        met = "[green]yes[/]" if goal.met else "[red]no[/]"
+        table.add_row(goal.name, goal.bound, goal.peer, goal.ours, fraction(goal.ratio), met)
+    return table
