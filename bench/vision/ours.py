@@ -15,14 +15,18 @@ class Ours:
     before every frame. The clock runs around the call from Python, binding included."""
 
     def __init__(
-        self, camera: core.CameraModel, leader: core.LeaderBody, *, tracking: bool, config: object | None = None
+        self,
+        camera: core.CameraModel,
+        leader: core.LeaderBody,
+        *,
+        tracking: bool,
+        config: vision.LeaderObserverConfig | None = None,
     ):
         self.name = "ours, tracked" if tracking else "ours, acquired"
         self._tracking, self._leader = tracking, leader
-        self._parts = {"camera": camera, "mounting": core.CameraMounting(), "body": leader}
-        if config is not None:
-            self._parts["config"] = config
-        self._observer = vision.LeaderObserver(**self._parts)
+        self._observer = vision.LeaderObserver(
+            camera=camera, body=leader, config=config or vision.LeaderObserverConfig()
+        )
 
     def look(self, image: np.ndarray, utime: int) -> Answer:
         """The answer to one frame; frames come in the order of their utime."""
@@ -40,9 +44,9 @@ class Ours:
 
     def forget(self) -> None:
         """The next frame is acquired from nothing."""
-        self._observer = vision.LeaderObserver(**self._parts)
+        self._observer.forget()
 
 
 def found_by_of(observation: core.Observation) -> str:
     """How the leader was found: "track", "region" or "frame"."""
-    return "frame"
+    return observation.found_by.name

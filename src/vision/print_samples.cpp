@@ -48,6 +48,7 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
                       double spread_px, int wanted, PrintSamples& samples) {
   samples.count = 0;
   const int most = std::max(1, wanted / static_cast<int>(pattern.edges.size()));
+  const bool bent = camera.has_distortion();
   int turn = 0;
   for (const TagPattern::Edge& edge : pattern.edges) {
     const Eigen::Vector2d g_middle = warp.flat(edge.middle);
@@ -57,21 +58,26 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
     const double length_px = pattern.cell_side * step_px;
     const double across_px =
         std::abs(J.determinant()) / step_px;  // distance from the edge per tag coordinate across it
+    // Over one cell the way to the picture is straight: good enough to choose pixels.
+    const Eigen::Vector2d pixel_middle = warp.pixel(camera, g_middle);
     const Eigen::Matrix2d pixel_from_g = warp.pixel_jacobian(camera, g_middle);
-    // Samples two pixels apart share little of their 3 x 3 pixels, so their noise is nearly independent.
-    const int count = std::clamp(static_cast<int>(length_px / 2.0), 1, most);
+    const Eigen::Matrix2d g_from_pixel = pixel_from_g.inverse();
+    const int count = std::clamp(static_cast<int>(length_px - 1.0), 1, most);
     for (int i = 0; i < count && samples.count < PrintSamples::kCapacity; ++i) {
       // Away from the ends, where another edge may begin. Across: -1, 0, 1, -1, ... times the spread; the flanks of the
       // ramp tell the blur and the gray levels, its middle the place.
-      Eigen::Vector2d tag = edge.middle;
-      tag[along] += pattern.cell_side * ((i + 0.5) / count - 0.5) * (1.0 - std::min(1.0 / length_px, 0.5));
-      tag[1 - along] += spread_px * (turn++ % 3 - 1) / across_px;
-      const Eigen::Vector2d g = warp.flat(tag), pixel = warp.pixel(camera, g);
+      Eigen::Vector2d offset = Eigen::Vector2d::Zero();
+      offset[along] = pattern.cell_side * ((i + 0.5) / count - 0.5) * (1.0 - std::min(1.0 / length_px, 0.5));
+      offset[1 - along] = spread_px * (turn++ % 3 - 1) / across_px;
+      const Eigen::Vector2d pixel = pixel_middle + pixel_from_g * (J * offset);
       const Eigen::Vector2d nearest(std::floor(pixel.x() + 0.5), std::floor(pixel.y() + 0.5));
       if (!(nearest.x() >= 1.0 && nearest.y() >= 1.0 && nearest.x() <= image.width - 2.0 &&
             nearest.y() <= image.height - 2.0))
         continue;
-      add(samples, pattern, g + pixel_from_g.inverse() * (nearest - pixel), tag,
+      // Where that pixel lies must be exact: without distortion it is; with it, one step of Newton's method is enough.
+      Eigen::Vector2d g = g_middle + g_from_pixel * (nearest - pixel_middle);
+      if (bent) g += g_from_pixel * (nearest - warp.pixel(camera, g));
+      add(samples, pattern, g, edge.middle + offset,
           smoothed(image, static_cast<std::ptrdiff_t>(nearest.x()), static_cast<std::ptrdiff_t>(nearest.y())));
     }
   }

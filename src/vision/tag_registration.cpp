@@ -33,10 +33,10 @@ using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 
 constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
-constexpr double kAtRest_px = 0.03;     ///< a step of the corners that no longer matters
+constexpr double kAtRest_px = 0.08;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
 constexpr double kNotAtRest_px = 0.1;   ///< a last step that does
 constexpr double kDenseBelow_px = 3.2;  ///< cells smaller than this are looked at pixel by pixel
-constexpr int kCoarseSamples = 150, kFineSamples = 380;
+constexpr int kCoarseSamples = 150, kFineSamples = 300;
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
 constexpr double kOutlier_sigmas = 3.0;
 

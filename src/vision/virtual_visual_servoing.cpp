@@ -27,8 +27,9 @@ namespace {
 constexpr double kNearest_m = 1e-3;  ///< nothing is seen closer to the camera than this
 constexpr int kMaxIterations = 100;
 constexpr double kMaxDamping = 1e9;
-/// A step that promises less squared error than this, in squared standard deviations, is none: a millionth of a sigma.
-constexpr double kAtRest = 1e-12;
+/// A step that promises less squared error than this, in squared standard deviations, is none: a ten thousandth of a
+/// sigma.
+constexpr double kAtRest = 1e-8;
 
 struct NormalEquations {
   Matrix6d information = Matrix6d::Zero();

@@ -15,7 +15,7 @@ namespace pilotfish::vision {
 struct SearchRegion;
 
 struct LeaderObserverConfig {
-  double acquisition_range_m = 3.5;  ///< a leader that nobody follows yet is looked for up to this distance
+  double acquisition_range_m = 5.0;  ///< a leader that nobody follows yet is looked for up to this distance
   TagDetectorConfig detector;
   TagGates gates;
   LeaderPoseConfig pose;

@@ -12,8 +12,8 @@ namespace pilotfish::vision {
 
 /// Which tags are believed once they have been found. Defaults: docs/vision.md shows the data they come from.
 struct TagGates {
-  double min_cell_px = 1.2;     ///< shorter side of a cell
-  double max_blur_cells = 0.6;  ///< standard deviation of the blur, in cells
+  double min_cell_px = 0.9;     ///< shorter side of a cell
+  double max_blur_cells = 0.8;  ///< standard deviation of the blur, in cells
   double max_misfit = 0.12;     ///< RMS of what the print does not explain, as a part of its contrast
   static const std::vector<Parameter<TagGates>>& parameters();
 };
