@@ -68,19 +68,21 @@ def mean_of_runs(law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sig
 
 def at_standing_error(
     law: fuzzy.Controller, input_sigmas: float, standing_error_m: float, sigma_m: float, seeds: range
-) -> tuple[Calm, float]:
-    """The law with inputs that wide, its error scale [m] chosen so that it stands at the given error.
+) -> tuple[Calm, float] | None:
+    """The law with inputs that wide, its error scale [m] chosen so that it stands at the given error, within 1 %.
 
     A wide B' fires rules for leaders that come and leave as well, and the table answers the two unequally: the
     standing error grows. A smaller scale takes that back, at the price of a steeper law, and only then are two widths
-    comparable. Returns what came of it and the scale. The standing error is about proportional to the scale, so a few
-    steps of proportion suffice.
+    comparable. Returns what came of it and the scale; None if no scale does it, because A', as wide as the noise, then
+    takes up the universe. The standing error is about proportional to the scale, so steps of proportion find it.
     """
     scale_m = control.FuzzyVelocityConfig().error_scale_m
-    for _ in range(7):
+    for _ in range(8):
         config = control.FuzzyVelocityConfig(input_sigmas=input_sigmas, error_scale_m=scale_m)
         calm = mean_of_runs(law, config, sigma_m, seeds)
-        if abs(calm.standing_error_m - standing_error_m) < 1e-4:
-            break
+        if abs(calm.standing_error_m / standing_error_m - 1.0) < 0.01:
+            return calm, scale_m
         scale_m *= standing_error_m / calm.standing_error_m
-    return calm, config.error_scale_m
+        if scale_m < 4.0 * sigma_m:
+            return None
+    return None

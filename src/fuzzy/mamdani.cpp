@@ -58,8 +58,7 @@ double infer_telling(const Controller& controller, double error, double error_ch
 
   // Rules: (4) gives each its strength; (5) clips its consequent there. Clipping the same term twice and
   // joining by max, (6), is clipping it once at the greater strength.
-  // Nothing is -0.0 here: filling an array with zero bytes makes GCC emit a string instruction that takes as long as a
-  // third of all the rest, and no sum below can tell the zeros apart.
+  // Nothing is -0.0 here, see infer(); no sum below can tell the zeros apart.
   std::array<double, kMaxTerms> heights;
   heights.fill(-0.0);
   for (std::size_t i = 0; i < rows.count; ++i) {
@@ -80,7 +79,9 @@ double infer_telling(const Controller& controller, double error, double error_ch
 }  // namespace
 
 Inference infer(const Controller& controller, double error, double error_change, const InputWidths& widths) noexcept {
-  Inference inference;
+  // A zero that the compiler does not know to be one: GCC fills an array with zero bytes by a string instruction that
+  // takes as long as a third of all the rest.
+  Inference inference(0.0 * std::abs(controller.error.max));
   inference.output =
       infer_telling(controller, error, error_change, widths,
                     [&inference](std::size_t rule, double strength) noexcept { inference.strengths[rule] = strength; });

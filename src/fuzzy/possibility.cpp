@@ -17,18 +17,37 @@ double meet_straight(double x, double w, double foot, double core) noexcept {
   return reach > 0.0 ? reach / (w + core - foot) : 0.0;
 }
 
-// The degree where A', falling from 1 at x, and a side that rises to 1 at `core` meet: they cross once between x and
-// core, and 64 halvings end at adjacent doubles.
+// A degree and its slope.
+struct Degree {
+  double value, slope;
+};
+Degree bell(const Gaussian& set, double t) noexcept {
+  const double value = membership(set, t);
+  return {value, -(t - set.mean) / (set.sigma * set.sigma) * value};
+}
+Degree line(double foot, double core, double t) noexcept {
+  return t > foot ? Degree{(t - foot) / (core - foot), 1.0 / (core - foot)} : Degree{0.0, 0.0};
+}
+
+// The degree where A', falling from 1 at `low`, and a side that rises to 1 at `high` meet: they cross once between.
+// Newton's steps where they stay in the bracket and halve the gap, halvings where they do not; so it ends when the gap
+// is closed to kClosed or the bracket has no more doubles in it, after kSteps at the latest.
 template <class Falling, class Rising>
-double meet(double x, double core, Falling falling, Rising rising) noexcept {
-  double low = x, high = core;
-  for (int i = 0; i < 64; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (!(low < middle && middle < high)) break;
-    (falling(middle) > rising(middle) ? low : high) = middle;
+double meet(double low, double high, Falling falling, Rising rising) noexcept {
+  constexpr double kClosed = 1e-14;
+  constexpr int kSteps = 128;
+  double t = 0.5 * (low + high), gap_before = 2.0, degree = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const Degree f = falling(t), r = rising(t);
+    const double gap = f.value - r.value;
+    degree = 0.5 * (f.value + r.value);
+    (gap > 0.0 ? low : high) = t;
+    if (std::abs(gap) <= kClosed || !(low < 0.5 * (low + high) && 0.5 * (low + high) < high)) break;
+    t -= gap / (f.slope - r.slope);
+    if (!(low < t && t < high) || std::abs(gap) > 0.5 * gap_before) t = 0.5 * (low + high);
+    gap_before = std::abs(gap);
   }
-  // Both bound the degree from opposite sides, at low and at high.
-  return std::max(std::min(falling(low), rising(low)), std::min(falling(high), rising(high)));
+  return degree;
 }
 
 double rising_side(const Trapezoid& s, double x, double w, WidthShape shape) noexcept {
@@ -36,16 +55,18 @@ double rising_side(const Trapezoid& s, double x, double w, WidthShape shape) noe
   const Gaussian input{x, w};
   if (!(s.a < s.b)) return membership(input, s.b);
   return meet(
-      x, s.b, [&](double t) { return membership(input, t); },
-      [&](double t) { return std::max((t - s.a) / (s.b - s.a), 0.0); });
+      std::max(x, s.a), s.b, [&](double t) { return bell(input, t); }, [&](double t) { return line(s.a, s.b, t); });
 }
 
 // Two bells meet between their means where both are as many sigmas away: after (mean - x)/(sigma + w).
 double rising_side(const Gaussian& s, double x, double w, WidthShape shape) noexcept {
   if (shape == WidthShape::gaussian) return membership(Gaussian{s.mean, s.sigma + w}, x);
   return meet(
-      x, s.mean, [&](double t) { return std::max(1.0 - (t - x) / w, 0.0); },
-      [&](double t) { return membership(s, t); });
+      x, std::min(s.mean, x + w),
+      [&](double t) {
+        return Degree{1.0 - (t - x) / w, -1.0 / w};
+      },
+      [&](double t) { return bell(s, t); });
 }
 
 double of(const Gaussian& s, const LinguisticVariable& variable, double x, double w, WidthShape shape) noexcept {

@@ -30,8 +30,8 @@ def test_peaks_of_nz_and_pz_at_a_tenth_are_a_dead_zone_as_wide(data):
 
 
 def test_a_vertical_side_is_a_discontinuity(data):
-    # NM ends at once where it is one, at -0.5, and NS begins there. Where EC is NM alone (-0.6), PB alone, 11/12, becomes
-    # PM alone, 0.6; nowhere else do the two rows differ more.
+    # NM ends at once where it is one, at -0.5, and NS begins there. Where EC is NM alone (-0.6), PB alone, 11/12,
+    # becomes PM alone, 0.6; nowhere else do the two rows differ more.
     data["E"]["terms"]["NM"] = {"triangle": [-0.8, -0.5, -0.5]}
     data["E"]["terms"]["NS"] = {"trapezoid": [-0.5, -0.5, -0.3, 0.0]}
     (jump,) = analyse(make_controller(data)).jumps

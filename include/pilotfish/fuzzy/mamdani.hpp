@@ -9,8 +9,12 @@ namespace pilotfish::fuzzy {
 
 /// What one inference says, with the reason: the strength of each of the 56 rules, eq. (4).
 struct Inference {
-  double output = 0.0;                          ///< u*, eq. (7), inside the universe of U
-  std::array<double, kPaperRules> strengths{};  ///< [row * kPaperColumns + column]
+  double output;                              ///< u*, eq. (7), inside the universe of U
+  std::array<double, kPaperRules> strengths;  ///< [row * kPaperColumns + column]
+
+  Inference() noexcept : output(0.0), strengths{} {}
+  /// Every strength is `nothing`; see infer().
+  explicit Inference(double nothing) noexcept : output(nothing) { strengths.fill(nothing); }
 };
 
 /// Mamdani inference: min for AND (4), min for the implication (5), max over the rules, (6), and the exact
