@@ -37,7 +37,9 @@ class Row:
 def row(what: str, peer: str, goal: float, ours_ns: np.ndarray, peer_ns: np.ndarray, peer_error: float) -> Row:
     ratios = peer_ns / ours_ns
     low, middle, high = np.percentile(ratios, [25, 50, 75])
-    return Row(what, goal, float(np.median(ours_ns)), float(np.median(peer_ns)), float(middle), (low, high), peer_error)
+    return Row(
+        what, peer, goal, float(np.median(ours_ns)), float(np.median(peer_ns)), float(middle), (low, high), peer_error
+    )
 
 
 def one_evaluation(program: Path, fll: Path, rounds: int) -> list[Row]:
