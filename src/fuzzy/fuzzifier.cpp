@@ -18,7 +18,9 @@ Trapezoid corners_of(const Gaussian&) { return {-kInfinity, -kInfinity, kInfinit
 }  // namespace
 
 Fuzzifier::Fuzzifier(const LinguisticVariable& variable)
-    : min_(variable.min), buckets_per_unit_(static_cast<double>(kBuckets) / (variable.max - variable.min)) {
+    : min_(variable.min),
+      // The narrowest of universes would make it infinite.
+      buckets_per_unit_(std::min(kBuckets / (variable.max - variable.min), std::numeric_limits<double>::max())) {
   std::vector<Trapezoid> sets;
   corners_ = {variable.min, variable.max};
   for (const Term& term : variable.terms) {
