@@ -33,21 +33,21 @@ def gaussian_data(data):
 
 
 class Fuzzylite:
-    """fuzzylite 6 on controllers of ours, by way of its own language."""
+    """fuzzylite 6, on a controller of ours or a text in its own language."""
 
     def __init__(self, program: Path, folder: Path) -> None:
         self._program, self._file = program, folder / "controller.fll"
 
-    def _run(self, controller: fuzzy.Controller, what: str, said: str = "") -> str:
-        self._file.write_text(fuzzy.to_fll(controller))
+    def _run(self, controller: fuzzy.Controller | str, what: str, said: str = "") -> str:
+        self._file.write_text(controller if isinstance(controller, str) else fuzzy.to_fll(controller))
         command = [self._program, self._file, what]
         return subprocess.run(command, input=said, check=True, capture_output=True, text=True, timeout=120).stdout
 
-    def outputs(self, controller: fuzzy.Controller, e: np.ndarray, ec: np.ndarray, resolution: int) -> np.ndarray:
+    def outputs(self, controller: fuzzy.Controller | str, e: np.ndarray, ec: np.ndarray, resolution: int) -> np.ndarray:
         lines = "".join(f"{x!r} {y!r}\n" for x, y in zip(e.tolist(), ec.tolist(), strict=True))
         return np.array(self._run(controller, str(resolution), lines).split(), dtype=float)
 
-    def exported(self, controller: fuzzy.Controller) -> str:
+    def exported(self, controller: fuzzy.Controller | str) -> str:
         return self._run(controller, "export")
 
 

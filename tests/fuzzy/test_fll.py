@@ -90,18 +90,25 @@ EQUIVALENT = {
 
 
 @pytest.mark.parametrize(("old", "new"), EQUIVALENT.values(), ids=EQUIVALENT.keys())
-def test_the_same_controller_in_other_words(controller, tmp_path, old, new):
-    same = load(tmp_path, replaced(old, new))
+def test_the_same_controller_in_other_words_to_us_and_to_fuzzylite(controller, fuzzylite, tmp_path, old, new):
+    text = replaced(old, new)
+    same = load(tmp_path, text)
     e, ec = np.random.default_rng(7).uniform(-1.2, 1.2, (2, 200))
     np.testing.assert_array_equal(fuzzy.infer_outputs(same, e, ec), fuzzy.infer_outputs(controller, e, ec))
+    if "Centroid" not in new:  # sampled alike, fuzzylite agrees with itself to rounding
+        theirs = [fuzzylite.outputs(law, e, ec, 1000) for law in (controller, text)]
+        np.testing.assert_allclose(*theirs, rtol=0, atol=1e-12)
 
 
-def test_rectangles_and_binaries_are_boxes_and_steps(tmp_path):
+def test_rectangles_and_binaries_are_boxes_and_steps(fuzzylite, tmp_path):
     text = replaced("NB Trapezoid -inf -inf -0.8 -0.5", "NB Binary -0.5 -inf")
     text = text.replace("PS Triangle 0 0.3 0.5", "PS Rectangle 0 0.5")
     controller = load(tmp_path, text)
     assert [fuzzy.membership(controller.error.terms[0].set, x) for x in (-0.6, -0.5, -0.4)] == [1, 1, 0]
     assert [fuzzy.membership(controller.error.terms[5].set, x) for x in (-0.1, 0.0, 0.4, 0.5, 0.6)] == [0, 1, 1, 1, 0]
+    e, ec = np.random.default_rng(8).uniform(-1, 1, (2, 300))
+    theirs = fuzzylite.outputs(text, e, ec, 8192)  # its sampling is off by about 1e-7 then
+    np.testing.assert_allclose(fuzzy.infer_outputs(controller, e, ec), theirs, rtol=0, atol=1e-6)
 
 
 # HERE is the line that was changed, NEXT the one below it, BLOCK the heading of the rule block.
@@ -119,6 +126,7 @@ REFUSED = {
         "PS Triangle 0.3 0 0.5",
         r"line HERE: term 'PS': a <= b <= c",
     ),
+    "a ramp without direction": ("PS Triangle 0 0.3 0.5", "PS Ramp 0.3 0.3", r"line HERE: term 'PS': a Ramp from a"),
     "a term without a shape": ("PS Triangle 0 0.3 0.5", "PS", r"line HERE: a term needs a name and a shape"),
     "another conjunction": ("conjunction: Minimum", "conjunction: AlgebraicProduct", r"conjunction 'AlgebraicProduct'"),
     "no conjunction": ("  conjunction: Minimum\n", "", r"needs  conjunction: Minimum"),
