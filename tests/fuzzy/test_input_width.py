@@ -46,18 +46,21 @@ def best_match(spec, x, width, shape):
         return np.minimum(spread(t, x, width, shape), fuzzy_reference.degree(spec, t))
 
     near = x + width * np.linspace(-1, 1, 101)
-    grid = np.unique(np.clip([*np.linspace(-1, 1, 2001), *near, *fuzzy_reference.knees(spec, 1.0)], -1, 1))
+    corners = np.sort([x - width, x, x + width, *fuzzy_reference.knees(spec, 1.0)])
+    between = (corners[1:] + corners[:-1]) / 2  # however little the two sets overlap
+    grid = np.unique(np.clip([*np.linspace(-1, 1, 2001), *near, *corners, *between], -1, 1))
     top = grid[np.argmax(match(grid))]
-    best, left, right = float(match(top)), grid[0], grid[-1]
-    if left < top - 1e-9:
-        left = grid[grid < top - 1e-9][-1]
-    if right > top + 1e-9:
-        right = grid[grid > top + 1e-9][0]
-    for _ in range(90):
-        a, b = left + (right - left) / 3, right - (right - left) / 3
-        at_a, at_b = match(a), match(b)
-        best = max(best, float(at_a), float(at_b))
-        left, right = (a, right) if at_a < at_b else (left, b)
+    best = float(match(top))
+    for left, right in ((grid[grid < top - 1e-9][-1:], [top]), ([top], grid[grid > top + 1e-9][:1])):
+        if len(left) == 0 or len(right) == 0:  # the end of the universe
+            continue
+        towards_right = right[0] == top  # where both are zero
+        a, d = left[0], right[0]
+        for _ in range(90):
+            b, c = a + (d - a) / 3, d - (d - a) / 3
+            at_b, at_c = float(match(b)), float(match(c))
+            best = max(best, at_b, at_c)
+            a, d = (b, d) if at_b < at_c or (at_b == at_c and towards_right) else (a, c)
     return best
 
 
