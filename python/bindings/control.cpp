@@ -53,6 +53,6 @@ PYBIND11_MODULE(control, m) {
   m.def("limit", &limit, py::arg("config"), py::arg("wanted"), py::arg("previous"), py::arg("dt_s"),
         "The nearest command to `wanted` within the limits.");
   m.def("fuzzy_velocity", &fuzzy_velocity, py::arg("controller"), py::arg("config"), py::arg("distance_setpoint_m"),
-        py::arg("distance_m"), py::arg("previous_error_m"), py::arg("dt_s"),
+        py::arg("distance_m"), py::arg("previous_error_m"), py::arg("dt_s"), py::arg("distance_sigma_m") = 0.0,
         "The paper's law on one distance; previous_error_m may be None.");
 }

@@ -3,11 +3,13 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <sstream>
 
 #include "pilotfish/config/files.hpp"
+#include "pilotfish/config/fuzzy_text.hpp"
 #include "pilotfish/fuzzy/centroid.hpp"
-#include "pilotfish/fuzzy/mamdani.hpp"
+#include "pilotfish/fuzzy/explain.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish::fuzzy;
@@ -50,13 +52,17 @@ Controller make_controller(const LinguisticVariable& error, const LinguisticVari
   return controller;
 }
 
-std::pair<DoubleArray, DoubleArray> infer_batch(const Controller& controller, const DoubleArray& error,
-                                                const DoubleArray& error_change) {
+py::ssize_t common_length(const DoubleArray& error, const DoubleArray& error_change) {
   if (error.ndim() != 1 || error_change.ndim() != 1 || error.shape(0) != error_change.shape(0))
     throw py::value_error("expected error and error_change of one shape (N,), got " +
                           py::str(error.attr("shape")).cast<std::string>() + " and " +
                           py::str(error_change.attr("shape")).cast<std::string>());
-  const py::ssize_t count = error.shape(0);
+  return error.shape(0);
+}
+
+std::pair<DoubleArray, DoubleArray> infer_batch(const Controller& controller, const DoubleArray& error,
+                                                const DoubleArray& error_change, const InputWidths& widths) {
+  const py::ssize_t count = common_length(error, error_change);
   DoubleArray output(count);
   DoubleArray strengths({count, static_cast<py::ssize_t>(kPaperRules)});
   const double *e = error.data(), *ec = error_change.data();
@@ -64,7 +70,7 @@ std::pair<DoubleArray, DoubleArray> infer_batch(const Controller& controller, co
   {
     py::gil_scoped_release release;
     for (py::ssize_t i = 0; i < count; ++i) {
-      const Inference inference = infer(controller, e[i], ec[i]);
+      const Inference inference = infer(controller, e[i], ec[i], widths);
       u[i] = inference.output;
       strength = std::copy(inference.strengths.begin(), inference.strengths.end(), strength);
     }
@@ -72,13 +78,48 @@ std::pair<DoubleArray, DoubleArray> infer_batch(const Controller& controller, co
   return {output, strengths};
 }
 
-Moments moments_of(const LinguisticVariable& output, const std::vector<double>& heights) {
+DoubleArray infer_outputs(const Controller& controller, const DoubleArray& error, const DoubleArray& error_change,
+                          const InputWidths& widths) {
+  const py::ssize_t count = common_length(error, error_change);
+  DoubleArray output(count);
+  const double *e = error.data(), *ec = error_change.data();
+  double* u = output.mutable_data();
+  {
+    py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < count; ++i) u[i] = infer_output(controller, e[i], ec[i], widths);
+  }
+  return output;
+}
+
+InputWidths make_widths(double error, double error_change, WidthShape shape) {
+  for (double width : {error, error_change})
+    if (!(width >= 0.0) || std::isinf(width)) throw py::value_error(text("width ", width, " is outside [0, inf)"));
+  return {error, error_change, shape};
+}
+
+void check_heights(const LinguisticVariable& output, const std::vector<double>& heights) {
   if (heights.size() != output.terms.size())
     throw py::value_error(
         text("expected one height for each of the ", output.terms.size(), " terms, got ", heights.size()));
   for (double height : heights)
     if (!(height >= 0.0 && height <= 1.0)) throw py::value_error(text("height ", height, " is outside [0, 1]"));
+}
+
+py::array_t<double> polyline(const std::vector<std::array<double, 2>>& points) {
+  py::array_t<double> result({static_cast<py::ssize_t>(points.size()), py::ssize_t{2}});
+  double* next = result.mutable_data();
+  for (const auto& point : points) next = std::copy(point.begin(), point.end(), next);
+  return result;
+}
+
+Moments moments_of(const LinguisticVariable& output, const std::vector<double>& heights) {
+  check_heights(output, heights);
   return clipped_union_moments(output, heights.data());
+}
+
+std::optional<Moments> ordered_moments_of(const LinguisticVariable& output, const std::vector<double>& heights) {
+  check_heights(output, heights);
+  return ordered_union_moments(output, heights.data());
 }
 
 }  // namespace
@@ -187,6 +228,17 @@ PYBIND11_MODULE(fuzzy, m) {
       .def_readonly("output", &Controller::output)
       .def_readonly("rules", &Controller::rules);
 
+  py::enum_<WidthShape>(m, "WidthShape", "Shape of a fuzzified input: half-width or sigma is its width.")
+      .value("triangle", WidthShape::triangle)
+      .value("gaussian", WidthShape::gaussian);
+  py::class_<InputWidths>(m, "InputWidths",
+                          "Widths of the inputs A', B' of eq. (6), in units of their universes; 0 is a singleton.")
+      .def(py::init(&make_widths), py::arg("error") = 0.0, py::arg("error_change") = 0.0,
+           py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"))
+      .def_readonly("error", &InputWidths::error)
+      .def_readonly("error_change", &InputWidths::error_change)
+      .def_readonly("shape", &InputWidths::shape);
+
   py::class_<Inference>(m, "Inference", "What one inference says: output u*, and the strengths of the 56 rules.")
       .def_readonly("output", &Inference::output)
       .def_property_readonly(
@@ -202,14 +254,54 @@ PYBIND11_MODULE(fuzzy, m) {
   m.def("describe_rule", &describe_rule, "\"IF E is NS AND EC is ZE THEN U is PM\"; rule = row * 7 + column.",
         py::arg("controller"), py::arg("rule"));
   m.def("infer", &infer, "Mamdani inference for one pair of inputs.", py::arg("controller"), py::arg("error"),
-        py::arg("error_change"));
+        py::arg("error_change"), py::arg_v("widths", InputWidths{}, "InputWidths()"));
   m.def("infer_batch", &infer_batch, "The same for arrays (N,): outputs (N,) and strengths (N, 56).",
-        py::arg("controller"), py::arg("error"), py::arg("error_change"));
+        py::arg("controller"), py::arg("error"), py::arg("error_change"),
+        py::arg_v("widths", InputWidths{}, "InputWidths()"));
+  m.def("infer_outputs", &infer_outputs, "The outputs (N,) alone, the same bits, several times as fast.",
+        py::arg("controller"), py::arg("error"), py::arg("error_change"),
+        py::arg_v("widths", InputWidths{}, "InputWidths()"));
   m.def("clipped_union_moments", &moments_of,
         "Area and first moment of max_k min(heights[k], mu_k(u)) over the universe of output.", py::arg("output"),
         py::arg("heights"));
+  m.def("ordered_union_moments", &ordered_moments_of,
+        "The same as inference computes them, from polynomials in the heights; None if the terms are bells or out of "
+        "order.",
+        py::arg("output"), py::arg("heights"));
+  m.def(
+      "possibility",
+      [](const LinguisticVariable& variable, const std::string& label, double x, double width, WidthShape shape) {
+        make_widths(width, 0.0, shape);
+        return possibility(variable, variable.terms[variable.index_of(label)].set, variable.saturate(x), width, shape);
+      },
+      "sup min(A', term) of an input A' of this width around x, over the universe.", py::arg("variable"),
+      py::arg("label"), py::arg("x"), py::arg("width"),
+      py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"));
+  py::class_<FiredRule>(m, "FiredRule", "A rule that fires, how strongly, and both in words.")
+      .def_readonly("rule", &FiredRule::rule)
+      .def_readonly("strength", &FiredRule::strength)
+      .def_readonly("text", &FiredRule::text)
+      .def("__repr__", [](const FiredRule& fired) { return fired.text; });
+  py::class_<Explanation>(m, "Explanation", "One inference with all that led to it.")
+      .def_readonly("inference", &Explanation::inference)
+      .def_readonly("fired", &Explanation::fired, "rules with a strength above zero, strongest first")
+      .def_property_readonly(
+          "heights",
+          [](const Explanation& e) {
+            return DoubleArray(static_cast<py::ssize_t>(e.heights.size()), e.heights.data());
+          },
+          "where each term of U is clipped")
+      .def_property_readonly(
+          "clipped", [](const Explanation& e) { return polyline(e.clipped); },
+          "(N, 2): corners (u, mu) of the set whose centroid is the output");
+  m.def("explain", &explain, "The inference, the rules that fire in words, and the clipped output set.",
+        py::arg("controller"), py::arg("error"), py::arg("error_change"),
+        py::arg_v("widths", InputWidths{}, "InputWidths()"));
+  m.def("to_fll", &pilotfish::config::to_fll, "The controller in fuzzylite's language, with every digit.",
+        py::arg("controller"));
+  m.def("to_yaml", &pilotfish::config::to_yaml, "The controller in the form of data/fuzzy/*.yaml, with every digit.",
+        py::arg("controller"));
   m.def("load_controller", &pilotfish::config::load_fuzzy_controller,
-        "Reads and proves data/fuzzy/*.yaml; ValueError "
-        "naming the key.",
+        "Reads and proves data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
         py::arg("path"));
 }

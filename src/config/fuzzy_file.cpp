@@ -1,6 +1,9 @@
+#include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "pilotfish/config/files.hpp"
+#include "pilotfish/config/fuzzy_text.hpp"
 #include "pilotfish/config/yaml_section.hpp"
 
 namespace pilotfish::config {
@@ -87,10 +90,7 @@ void read_rules(YamlSection& file, Controller& controller) {
   section.finish();
 }
 
-}  // namespace
-
-Controller load_fuzzy_controller(const std::filesystem::path& path) {
-  YamlSection file = YamlSection::load(path);
+Controller read_yaml(YamlSection& file) {
   Controller controller;
   controller.name = file.text("name");
   controller.error = read_variable(file, "E");
@@ -98,10 +98,31 @@ Controller load_fuzzy_controller(const std::filesystem::path& path) {
   controller.output = read_variable(file, "U");
   read_rules(file, controller);
   file.finish();
+  return controller;
+}
+
+Controller read_fll_file(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw ConfigError("file", "cannot read " + path.string());
+  return read_fll(text.str(), path);
+}
+
+}  // namespace
+
+Controller load_fuzzy_controller(const std::filesystem::path& path) {
+  Controller controller;
+  if (path.extension() == ".fll") {
+    controller = read_fll_file(path);
+  } else {
+    YamlSection file = YamlSection::load(path);
+    controller = read_yaml(file);
+  }
   try {
     fuzzy::prove(controller);
   } catch (const fuzzy::ProofError& defect) {
-    throw file.error(defect.where(), defect.problem());
+    throw ConfigError(defect.where(), defect.problem() + " (in " + path.string() + ")");
   }
   return controller;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "envelope.hpp"
+#include "layers.hpp"
 
 namespace pilotfish::fuzzy {
 namespace {
@@ -35,6 +36,12 @@ Moments clipped_union_moments(const LinguisticVariable& output, const double* he
     sum.first += piece.first;
   });
   return sum;
+}
+
+std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* heights) {
+  if (!OrderedUnion::fits(output)) return std::nullopt;
+  const OrderedUnion ordered(output);
+  return ordered.moments(ordered.sum_over(std::vector<bool>(output.terms.size(), true)), heights);
 }
 
 }  // namespace pilotfish::fuzzy

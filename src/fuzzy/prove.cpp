@@ -5,6 +5,7 @@
 #include "pilotfish/fuzzy/centroid.hpp"
 #include "pilotfish/fuzzy/mamdani.hpp"
 #include "pilotfish/fuzzy/rule_base.hpp"
+#include "plan.hpp"
 
 namespace pilotfish::fuzzy {
 namespace {
@@ -89,7 +90,7 @@ void prove_output(const Controller& c) {
 
 }  // namespace
 
-void prove(const Controller& controller) {
+void prove(Controller& controller) {
   for (const LinguisticVariable* variable : {&controller.error, &controller.error_change, &controller.output}) {
     validate(*variable);
     prove_areas(*variable);
@@ -97,6 +98,7 @@ void prove(const Controller& controller) {
   prove_coverage(controller.error);
   prove_coverage(controller.error_change);
   prove_rules(controller);
+  controller.plan = std::make_shared<const Plan>(controller);
   prove_output(controller);
 }
 

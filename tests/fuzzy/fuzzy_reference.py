@@ -46,14 +46,17 @@ def knees(spec: dict, height: float) -> list[float]:
 
 
 def crossings(specs: list[dict], heights, lo: float, hi: float) -> list[float]:
-    """Where two of the clipped sets cross, by bisection of every change of sign on a grid. One that is missed
-    costs only time: the quadrature adapts."""
-    grid = np.linspace(lo, hi, 401)
+    """Where two of the clipped sets cross, by bisection of every change of sign on a grid, or meet on the grid itself.
+    One that is missed may cost more than time: a panel does not see a kink behind its last node."""
+    corners = [x for spec, height in zip(specs, heights, strict=True) for x in knees(spec, height) if lo < x < hi]
+    grid = np.unique([*np.linspace(lo, hi, 401), *corners])  # two straight sides cross once between corners
     values = [np.minimum(h, degree(s, grid)) for s, h in zip(specs, heights, strict=True)]
     found = []
     for i in range(len(specs)):
         for k in range(i + 1, len(specs)):
             difference = values[i] - values[k]
+            zero = difference == 0
+            found += grid[1:-1][zero[1:-1] & ~(zero[:-2] & zero[2:])].tolist()
             for j in np.flatnonzero(difference[:-1] * difference[1:] < 0):
                 left, right = grid[j], grid[j + 1]
                 for _ in range(60):

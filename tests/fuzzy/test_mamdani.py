@@ -21,6 +21,18 @@ def test_the_output_agrees_with_adaptive_quadrature(controller, data):
         assert fuzzy.infer(controller, e, ec).output == pytest.approx(fuzzy_reference.output(data, e, ec), abs=1e-12)
 
 
+def test_the_output_at_the_corners_of_the_sets_agrees_with_adaptive_quadrature(controller, data):
+    # Where a set begins, peaks or ends, inference changes from one stretch of the universe to the next.
+    def corners(name):
+        numbers = {x for spec in data[name]["terms"].values() for p in spec.values() for x in p}
+        return sorted(x for x in numbers if -1 <= x <= 1)
+
+    for e in corners("E"):
+        for ec in corners("EC"):
+            ours = fuzzy.infer(controller, e, ec).output
+            assert ours == pytest.approx(fuzzy_reference.output(data, e, ec), abs=1e-12)
+
+
 def test_gaussian_sets_agree_with_adaptive_quadrature(gaussian_data):
     controller = make_controller(gaussian_data)
     rng = np.random.default_rng(8)

@@ -16,8 +16,8 @@ CameraModel load_calibration(const std::filesystem::path& file);
 /// The tags of a leader; see data/leaders/. Throws ConfigError.
 LeaderBody load_leader_body(const std::filesystem::path& file);
 
-/// Fuzzy sets and rules; see data/fuzzy/. Proved before it is returned. Throws ConfigError naming the variable, term or
-/// cell.
+/// Fuzzy sets and rules: our YAML (see data/fuzzy/) or, where the name ends in .fll, fuzzylite's FLL (see
+/// fuzzy_text.hpp). Proved before it is returned. Throws ConfigError naming the variable, term, cell or line.
 fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
 
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.

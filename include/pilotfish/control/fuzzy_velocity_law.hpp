@@ -13,6 +13,7 @@ struct FuzzyVelocityConfig {
   double error_change_scale_m = 0.02;    ///< change of the error per control period at which ec saturates
   double velocity_scale_mps = 0.6;       ///< speed commanded at u = 1
   double control_period_s = 1.0 / 30.0;  ///< T of the law
+  double input_sigmas = 0.0;             ///< width of the fuzzified inputs A', B' of eq. (6), in their own sigmas
   static const std::vector<Parameter<FuzzyVelocityConfig>>& parameters();
 };
 
@@ -27,8 +28,12 @@ struct VelocityCommand {
 /// The paper's law. e(t) = d_p - d(t), ec(t) = e(t) - e(t-1) per control period T. Frames do not come exactly every T,
 /// so ec is taken as the error's rate over the REAL time between two measurements, times T; at the nominal rate this is
 /// the paper's difference. Without a previous measurement ec = 0.
+///
+/// With input_sigmas = k > 0 the inputs are as wide as they are uncertain: A' is a bell around e of sigma k sigma_d,
+/// and B' one around ec of k sqrt(2) sigma_d T/dt, the sigma of the difference of two independent distances.
+/// distance_sigma_m: of distance_m, from its covariance. One that is not finite counts as 0.
 VelocityCommand fuzzy_velocity(const fuzzy::Controller& controller, const FuzzyVelocityConfig& config,
                                double distance_setpoint_m, double distance_m, std::optional<double> previous_error_m,
-                               double dt_s);
+                               double dt_s, double distance_sigma_m = 0.0);
 
 }  // namespace pilotfish::control

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <optional>
 
 #include "pilotfish/fuzzy/linguistic_variable.hpp"
 
@@ -17,5 +17,11 @@ struct Moments {
 /// this is the closed form; with Gaussians, the pieces between breakpoints are integrated with erf (exact as
 /// well, up to rounding). heights: one per term, in [0, 1].
 Moments clipped_union_moments(const LinguisticVariable& output, const double* heights) noexcept;
+
+/// The same moments the way inference computes them: if the terms are triangles and trapezoids in order on the axis (no
+/// corner of a term is left of the same corner of the term before), they are sums of polynomials in the heights, and no
+/// knee is looked for; see src/fuzzy/layers.hpp. Nothing otherwise. Prepares the polynomials anew: for tests and
+/// people.
+std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* heights);
 
 }  // namespace pilotfish::fuzzy

@@ -2,19 +2,30 @@
 
 #include <array>
 
+#include "pilotfish/fuzzy/input_width.hpp"
 #include "pilotfish/fuzzy/rule_base.hpp"
 
 namespace pilotfish::fuzzy {
 
-/// What one inference says, with the reason: the strength min(mu_A(e), mu_B(ec)) of each of the 56 rules, eq. (4).
+/// What one inference says, with the reason: the strength of each of the 56 rules, eq. (4).
 struct Inference {
-  double output = 0.0;                          ///< u*, eq. (7), inside the universe of U
-  std::array<double, kPaperRules> strengths{};  ///< [row * kPaperColumns + column]
+  double output;                              ///< u*, eq. (7), inside the universe of U
+  std::array<double, kPaperRules> strengths;  ///< [row * kPaperColumns + column]
+
+  Inference() noexcept : output(0.0), strengths{} {}
+  /// Every strength is `nothing`; see infer().
+  explicit Inference(double nothing) noexcept : output(nothing) { strengths.fill(nothing); }
 };
 
-/// Mamdani inference with singleton inputs: min for AND (4), min for the implication (5), max over the rules,
-/// (6), and the exact centroid (7). Inputs outside the universes saturate. The controller must have passed
-/// prove(). NaN in gives NaN out: callers check.
-Inference infer(const Controller& controller, double error, double error_change) noexcept;
+/// Mamdani inference: min for AND (4), min for the implication (5), max over the rules, (6), and the exact
+/// centroid (7). Inputs outside the universes saturate. With widths, the inputs are the fuzzy sets A' and B' of (6);
+/// without, they are singletons. Never allocates.
+/// The controller must have passed prove(). NaN in, an infinite width or no proof gives NaN out: callers check.
+Inference infer(const Controller& controller, double error, double error_change,
+                const InputWidths& widths = {}) noexcept;
+
+/// u* alone, the same bits, for those who want many and not the reasons.
+double infer_output(const Controller& controller, double error, double error_change,
+                    const InputWidths& widths = {}) noexcept;
 
 }  // namespace pilotfish::fuzzy

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ inline constexpr std::size_t kPaperRows = 8;
 inline constexpr std::size_t kPaperColumns = 7;
 inline constexpr std::size_t kPaperRules = kPaperRows * kPaperColumns;
 
+struct Plan;  // src/fuzzy/plan.hpp
+
 /// A two-input Mamdani controller as plain data: what data/fuzzy/*.yaml says.
 struct Controller {
   std::string name;
@@ -30,6 +33,8 @@ struct Controller {
   LinguisticVariable error_change;  ///< EC, of its normalised change per control period
   LinguisticVariable output;        ///< U, of the normalised velocity
   RuleBase rules;
+  /// What inference works with, made by prove() from the data above: whoever changes them proves again.
+  std::shared_ptr<const Plan> plan = nullptr;
 };
 
 /// "IF E is NS AND EC is ZE THEN U is PM"; rule = row * columns + column. Throws std::out_of_range.
@@ -38,8 +43,8 @@ std::string describe_rule(const Controller& controller, std::size_t rule);
 /// The weakest degree that still counts as covering a point of an input universe.
 inline constexpr double kMinCoverage = 1e-3;
 
-/// Proves what the control loop relies on, so that inference cannot fail later. Throws ProofError naming the
-/// variable, the term or the cell that is at fault:
+/// Proves what the control loop relies on, so that inference cannot fail later, and prepares controller.plan, so that
+/// it is fast and never allocates. Throws ProofError naming the variable, the term or the cell that is at fault:
 ///  - the rule base has exactly kPaperRows x kPaperColumns cells, each with a term of U;
 ///  - every universe is finite, every label unique, every membership function well formed, and no variable
 ///  has more
@@ -49,6 +54,6 @@ inline constexpr double kMinCoverage = 1e-3;
 ///  - every term has area inside its universe: so every rule can fire, and the centroid's denominator is
 ///  positive;
 ///  - the output is finite and inside U's universe over the grid of the corner points of all input sets.
-void prove(const Controller& controller);
+void prove(Controller& controller);
 
 }  // namespace pilotfish::fuzzy

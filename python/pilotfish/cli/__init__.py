@@ -1,4 +1,4 @@
-"""The command line: ``pilotfish experiment | render | plot | learn-body | demo``."""
+"""The command line: ``pilotfish experiment | render | plot | learn-body | demo | fuzzy``."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 from pilotfish import __version__
 from pilotfish.cli.demo import demo
 from pilotfish.cli.experiment import experiment
+from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.learn_body import learn_body
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
@@ -23,6 +24,7 @@ app = typer.Typer(
 )
 for command in (experiment, render, plot, learn_body, demo):
     app.command()(command)
+app.add_typer(fuzzy_app, name="fuzzy")
 
 
 def _print_version(wanted: bool) -> None:

@@ -23,18 +23,19 @@ def draw_fuzzy_sets(controller: fuzzy.Controller, title: str = "Membership funct
         captions = ("distance error e", "change of the error ec", "velocity u")
         variables = (controller.error, controller.error_change, controller.output)
         for axes, variable, caption in zip(figure.subplots(3, 1), variables, captions, strict=True):
-            _draw_variable(axes, variable)
+            draw_variable(axes, variable)
             axes.set_xlabel(f"{caption}, normalised")
             axes.set_ylabel(f"degree, {variable.name}")
     return figure
 
 
-def _draw_variable(axes: Axes, variable: fuzzy.LinguisticVariable) -> None:
+def draw_variable(axes: Axes, variable: fuzzy.LinguisticVariable, *, faint: bool = False) -> None:
+    """The sets of one variable, each with its name at its peak."""
     x = np.linspace(variable.min, variable.max, _SAMPLES)
     for term in variable.terms:
         degree = fuzzy.membership(term.set, x)
         colour = _COLOURS.get(term.label, "#000000")
-        axes.plot(x, degree, color=colour)
+        axes.plot(x, degree, color=colour, alpha=0.35 if faint else 1.0)
         peak = float(x[degree >= degree.max() - 1e-9].mean())
         axes.text(peak, 1.04, term.label, color=colour, ha=_alignment(variable, peak), weight="bold")
     axes.set_xlim(variable.min, variable.max)

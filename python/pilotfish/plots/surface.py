@@ -54,4 +54,4 @@ def draw_surface(controller: fuzzy.Controller, title: str = "Control surface") -
 
 def outputs(controller: fuzzy.Controller, error: np.ndarray, error_change: np.ndarray) -> np.ndarray:
     """u*, shape (N,), for inputs of shape (N,)."""
-    return fuzzy.infer_batch(controller, error, error_change)[0]
+    return fuzzy.infer_outputs(controller, error, error_change)

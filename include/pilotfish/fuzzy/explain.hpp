@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "pilotfish/fuzzy/mamdani.hpp"
+
+namespace pilotfish::fuzzy {
+
+/// A rule that fires and how strongly: "IF E is NS AND EC is ZE THEN U is PM, 0.62".
+struct FiredRule {
+  std::size_t rule = 0;  ///< row * kPaperColumns + column
+  double strength = 0.0;
+  std::string text;
+};
+
+/// One inference with all that led to it, for people; infer() is for the control loop.
+struct Explanation {
+  Inference inference;
+  std::vector<FiredRule> fired;                ///< strength above zero, strongest first
+  std::vector<double> heights;                 ///< where each term of U is clipped, (5) and (6)
+  std::vector<std::array<double, 2>> clipped;  ///< {u, mu_C'(u)}: the corners of the set whose centroid is the output
+};
+
+/// Of NaN inputs, no rule fires and nothing is clipped. The controller must have passed prove().
+Explanation explain(const Controller& controller, double error, double error_change, const InputWidths& widths = {});
+
+/// max_k min(heights[k], mu_k(u)) over the universe of `output` as a polyline {u, mu}, which jumps at vertical sides.
+/// Exact for triangles and trapezoids; a bell's flank has `bell_points` points. heights: one for each term.
+std::vector<std::array<double, 2>> clipped_union_polyline(const LinguisticVariable& output, const double* heights,
+                                                          int bell_points = 24);
+
+}  // namespace pilotfish::fuzzy
