@@ -6,6 +6,8 @@
 namespace pilotfish::vision {
 namespace {
 
+constexpr double kGoldenSection = 0.6180339887498949;
+
 void add(PrintSamples& samples, const TagPattern& pattern, const Eigen::Vector2d& g, const Eigen::Vector2d& tag,
          double gray) {
   const int R = samples.reach;
@@ -64,21 +66,21 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
     const Eigen::Matrix2d g_from_pixel = pixel_from_g.inverse();
     const int count = std::clamp(static_cast<int>(length_px - 1.0), 1, most);
     for (int i = 0; i < count && samples.count < PrintSamples::kCapacity; ++i) {
-      // Away from the ends, where another edge may begin. Across: -1, 0, 1, -1, ... times the spread; the flanks of the
-      // ramp tell the blur and the gray levels, its middle the place.
+      // Away from the ends, where another edge may begin. Across, spread evenly over the ramp (by the golden section,
+      // which leaves no pattern): its flanks tell the blur and the gray levels, its middle the place.
       Eigen::Vector2d offset = Eigen::Vector2d::Zero();
       offset[along] = pattern.cell_side * ((i + 0.5) / count - 0.5) * (1.0 - std::min(1.0 / length_px, 0.5));
-      offset[1 - along] = spread_px * (turn++ % 3 - 1) / across_px;
+      offset[1 - along] = spread_px * (2.0 * std::fmod(kGoldenSection * turn++, 1.0) - 1.0) / across_px;
       const Eigen::Vector2d pixel = pixel_middle + pixel_from_g * (J * offset);
-      const Eigen::Vector2d nearest(std::floor(pixel.x() + 0.5), std::floor(pixel.y() + 0.5));
-      if (!(nearest.x() >= 1.0 && nearest.y() >= 1.0 && nearest.x() <= image.width - 2.0 &&
-            nearest.y() <= image.height - 2.0))
+      // Whole pixels, with one more all around. (A cast, not std::floor, which is a function call without SSE 4.1.)
+      if (!(pixel.x() >= 0.5 && pixel.y() >= 0.5 && pixel.x() < image.width - 1.5 && pixel.y() < image.height - 1.5))
         continue;
+      const auto u = static_cast<std::ptrdiff_t>(pixel.x() + 0.5), v = static_cast<std::ptrdiff_t>(pixel.y() + 0.5);
+      const Eigen::Vector2d nearest(static_cast<double>(u), static_cast<double>(v));
       // Where that pixel lies must be exact: without distortion it is; with it, one step of Newton's method is enough.
       Eigen::Vector2d g = g_middle + g_from_pixel * (nearest - pixel_middle);
       if (bent) g += g_from_pixel * (nearest - warp.pixel(camera, g));
-      add(samples, pattern, g, edge.middle + offset,
-          smoothed(image, static_cast<std::ptrdiff_t>(nearest.x()), static_cast<std::ptrdiff_t>(nearest.y())));
+      add(samples, pattern, g, edge.middle + offset, smoothed(image, u, v));
     }
   }
   pad(samples);

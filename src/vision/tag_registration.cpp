@@ -33,7 +33,10 @@ using Normal = Eigen::Matrix<double, kParameters, kParameters>;
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 
 constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
-constexpr double kAtRest_px = 0.08;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
+constexpr double kSpread = 1.3;      ///< samples lie so many standard deviations of the blur beside an edge, at most
+constexpr double kAtRest_px = 0.03;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
+constexpr double kNear_px = 0.7;     ///< a first step that is longer did not start near enough to trust its direction
+constexpr double kLeastNoise = 0.2;  ///< gray levels: even a perfect picture is rounded, and a sample is a mean
 constexpr double kNotAtRest_px = 0.1;   ///< a last step that does
 constexpr double kDenseBelow_px = 3.2;  ///< cells smaller than this are looked at pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300;
@@ -203,32 +206,6 @@ double largest_move(const TagWarp& before, const TagWarp& after) {
   return largest;
 }
 
-/// One Gauss-Newton step; how far it moved the corners [px], or NaN.
-double step_once(const TagPattern& pattern, const PrintSamples& samples, const Appearance& start, double extra_blur_px2,
-                 bool fine, Fit& fit, Rows& rows, NormalEquations& sum) {
-  const double blur_u = fit.look.blur_u_px2 + extra_blur_px2, blur_v = fit.look.blur_v_px2 + extra_blur_px2;
-  sum = samples.reach == 1 ? linearize<1>(fit, pattern, samples, blur_u, blur_v, rows)
-                           : linearize<2>(fit, pattern, samples, blur_u, blur_v, rows);
-  if (sum.inliers < 2 * kParameters) return std::nan("");
-  fit.noise = std::max(0.2, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
-  fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / samples.count;
-  add_prior(fit, start, fit.noise, sum);
-  if (!fine)
-    for (int i : {kBlurU, kBlurV}) {
-      sum.information.row(i).setZero();
-      sum.information.col(i).setZero();
-      sum.information(i, i) = 1.0;
-      sum.gradient[i] = 0.0;
-    }
-  Parameters scale;
-  const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
-  const Parameters step = scale.cwiseProduct(solver.solve(scale.cwiseProduct(sum.gradient)));
-  if (!step.allFinite()) return std::nan("");
-  const TagWarp before = fit.warp;
-  apply(step, fine, fit);
-  return largest_move(before, fit.warp);
-}
-
 Matrix8d corner_covariance(const CameraModel& camera, const TagWarp& warp, const NormalEquations& sum, double noise) {
   Parameters scale;
   const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
@@ -251,6 +228,90 @@ double shape_sigma_px(const Appearance& look, double cell_px) {
   return kShapeError_px * std::min(blur_cells2, 1.0);
 }
 
+/// What one fit needs to know and to write on; some 100 kB, on the stack of register_tag().
+struct Task {
+  const ImageView& image;
+  const CameraModel& camera;
+  const TagPattern& pattern;
+  const Appearance& expected;
+  double cell_px;
+  PrintSamples samples;
+  Rows rows;
+  NormalEquations sum;
+};
+
+/// One Gauss-Newton step; how far it moved the corners [px], or NaN. `extra_blur_px2` is what the samples are blurred
+/// with beyond the picture's own blur, which only a `fine` step changes.
+double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
+  const double blur_u = fit.look.blur_u_px2 + extra_blur_px2, blur_v = fit.look.blur_v_px2 + extra_blur_px2;
+  NormalEquations& sum = task.sum;
+  sum = task.samples.reach == 1 ? linearize<1>(fit, task.pattern, task.samples, blur_u, blur_v, task.rows)
+                                : linearize<2>(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
+  if (sum.inliers < 2 * kParameters) return std::nan("");
+  fit.noise = std::max(kLeastNoise, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
+  fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / task.samples.count;
+  add_prior(fit, task.expected, fit.noise, sum);
+  if (!fine)
+    for (int i : {kBlurU, kBlurV}) {
+      sum.information.row(i).setZero();
+      sum.information.col(i).setZero();
+      sum.information(i, i) = 1.0;
+      sum.gradient[i] = 0.0;
+    }
+  Parameters scale;
+  const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
+  const Parameters step = scale.cwiseProduct(solver.solve(scale.cwiseProduct(sum.gradient)));
+  if (!step.allFinite()) return std::nan("");
+  const TagWarp before = fit.warp;
+  apply(step, fine, fit);
+  return largest_move(before, fit.warp);
+}
+
+enum class Outcome { at_rest, far_away, failed };
+
+/// From far away: a print blurred by a third of a cell pulls from a third of a cell away.
+Outcome pull_in(Task& task, Fit& fit) {
+  const double wide_px = 0.3 * task.cell_px;
+  const double extra_blur = wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2);
+  if (extra_blur <= kSampleBlur_px2) return Outcome::at_rest;  // the picture's own blur pulls as far
+  task.samples.reach = 1;
+  take_along_edges(task.image, task.camera, fit.warp, task.pattern, wide_px, kCoarseSamples, task.samples);
+  for (int i = 0; i < 4; ++i) {
+    const double move_px = step_once(task, extra_blur, false, fit);
+    if (!(move_px < task.cell_px)) return Outcome::failed;
+    if (move_px < 0.3 * kNear_px) break;
+  }
+  fit.noise = 0.0;
+  return Outcome::at_rest;
+}
+
+/// From near by, with the picture's own blur: a step on few samples, so that the many lie symmetrically about the
+/// edges.
+Outcome settle(Task& task, Fit& fit) {
+  const bool dense = task.cell_px < kDenseBelow_px;
+  const double extra_blur = dense ? 0.0 : kSampleBlur_px2;
+  const double widest_px = std::sqrt(std::max(fit.look.blur_u_px2, fit.look.blur_v_px2) + kSampleBlur_px2);
+  task.samples.reach = widest_px < 0.4 * task.cell_px ? 1 : 2;
+  const auto take = [&](int wanted) {
+    if (dense)
+      take_all_pixels(task.image, task.camera, fit.warp, task.pattern, task.samples);
+    else
+      take_along_edges(task.image, task.camera, fit.warp, task.pattern, kSpread * widest_px, wanted, task.samples);
+  };
+  take(kCoarseSamples);
+  double move_px = step_once(task, extra_blur, true, fit);
+  if (!(move_px < task.cell_px)) return Outcome::failed;
+  if (move_px > kNear_px) return Outcome::far_away;
+  if (!dense) take(kFineSamples);
+  fit.noise = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    move_px = step_once(task, extra_blur, true, fit);
+    if (!(move_px < task.cell_px)) return Outcome::failed;
+    if (move_px < kAtRest_px) return Outcome::at_rest;
+  }
+  return move_px < kNotAtRest_px ? Outcome::at_rest : Outcome::failed;
+}
+
 }  // namespace
 
 std::optional<Registration> register_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
@@ -259,51 +320,32 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   fit.look.black_slope.setZero();  // uneven light is measured anew
   fit.look.contrast_slope.setZero();
   if (!fit.warp.is_finite() || !measure_levels(image, camera, pattern, fit)) return std::nullopt;
-  const TagWarp started = fit.warp;
   const double cell_px = smallest_cell_px(fit.warp, pattern);
   if (!(cell_px > 0.5)) return std::nullopt;
 
-  PrintSamples samples;
-  Rows rows;
-  NormalEquations sum;
-  double move_px = 0.0;
-  // Far away first: a print blurred by a third of a cell pulls from a third of a cell away.
-  const double wide_px = 0.3 * cell_px;
-  const double extra_blur = std::max(0.0, wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2));
-  if (extra_blur > kSampleBlur_px2) {
-    take_along_edges(image, camera, fit.warp, pattern, wide_px, kCoarseSamples, samples);
-    for (int i = 0; i < 4; ++i) {
-      move_px = step_once(pattern, samples, start, extra_blur, false, fit, rows, sum);
-      if (!(move_px < cell_px)) return std::nullopt;
-      if (move_px < 0.3) break;
-    }
+  Task task{image, camera, pattern, start, cell_px, {}, {}, {}};
+  Fit near = fit;
+  Outcome outcome = settle(task, near);
+  if (outcome == Outcome::far_away) {
+    near = fit;
+    if (pull_in(task, near) == Outcome::failed) return std::nullopt;
+    outcome = settle(task, near);
+    if (outcome == Outcome::far_away) return std::nullopt;
   }
-  fit.noise = 0.0;
-  const bool dense = cell_px < kDenseBelow_px;
-  const double widest_px = std::sqrt(std::max(fit.look.blur_u_px2, fit.look.blur_v_px2) + kSampleBlur_px2);
-  samples.reach = widest_px < 0.4 * cell_px ? 1 : 2;
-  if (dense)
-    take_all_pixels(image, camera, fit.warp, pattern, samples);
-  else
-    take_along_edges(image, camera, fit.warp, pattern, widest_px, kFineSamples, samples);
-  for (int i = 0; i < 6; ++i) {
-    move_px = step_once(pattern, samples, start, dense ? 0.0 : kSampleBlur_px2, true, fit, rows, sum);
-    if (!(move_px < cell_px)) return std::nullopt;
-    if (move_px < kAtRest_px && i > 0) break;
-  }
-  if (!(move_px < kNotAtRest_px) || !(largest_move(started, fit.warp) < 2.0 * cell_px)) return std::nullopt;
+  if (outcome == Outcome::failed || !(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
+  fit = near;
 
   Registration found;
   found.nHt = fit.warp.nHt();
   found.corners_px = corners_px(camera, fit.warp);
-  found.covariance_px2 = corner_covariance(camera, fit.warp, sum, fit.noise);
+  found.covariance_px2 = corner_covariance(camera, fit.warp, task.sum, fit.noise);
   const double shape_px = shape_sigma_px(fit.look, cell_px);
   found.covariance_px2.diagonal().array() += shape_px * shape_px;
   found.appearance = fit.look;
   found.cell_px = smallest_cell_px(fit.warp, pattern);
   found.misfit = fit.noise;
   found.outlier_share = fit.outlier_share;
-  found.pixels = sum.inliers;
+  found.pixels = task.sum.inliers;
   if (!found.covariance_px2.allFinite() || !found.nHt.allFinite()) return std::nullopt;
   return found;
 }

@@ -67,7 +67,7 @@ def test_the_distance_error_grows_as_the_square_of_the_distance(renders, distanc
     # (5 m) it is worse.
     sigma_d = distance**2 * 0.71 * CORNER_SIGMA_PX / (CAMERA.fx * TAG.size_m)
     errors = np.abs([error[0] for _, error in renders[distance]])
-    assert len(errors) >= 14
+    assert len(errors) >= 12  # at 5 m and 50 degrees a cell is 1.5 px wide: beyond, no detector finds it
     assert np.median(errors) < median_in_sigmas * sigma_d
     assert np.percentile(errors, 95) < 2.5 * median_in_sigmas * sigma_d
 
@@ -89,16 +89,16 @@ def test_the_heading_is_seen_where_the_tag_is_large(renders, distance, bound_deg
 
 
 def test_the_covariance_is_that_of_the_pose_carried_to_distance_bearing_and_heading():
-    # Independent of any picture: moving every drawn corner's noise through the pose is tested with the pose;
-    # here the spread of (d, theta, psi) over renders with nothing changed but the noise must be what each
-    # render claims, in shape: the correlations of distance and heading differ in sign left and right of the
-    # axis.
+    # How the corners' noise reaches the pose is tested with the pose. Here: the same leader left and right of
+    # the axis has the same covariance, with the signs of bearing and heading turned. Its size comes from the
+    # noise measured on some 280 samples, so to sqrt(2 / 280) = 8.5 % on each side: 12 % between the two, and 2.5
+    # standard deviations of that are 0.3.
     left = observe(picture([(TAG, leader_at(1.1, 0.3, -0.5))])).observation.covariance
     right = observe(picture([(TAG, leader_at(1.1, -0.3, 0.5))])).observation.covariance
     mirrored = np.diag([1, -1, -1]) @ right @ np.diag([1, -1, -1])
     assert np.allclose(left, left.T)
     assert np.linalg.eigvalsh(left).min() > 0
-    assert np.abs(left - mirrored).max() < 0.1 * np.abs(left).max()
+    assert np.abs(left - mirrored).max() < 0.3 * np.abs(left).max()
 
 
 def test_the_mounting_turns_and_moves_what_is_seen():
