@@ -54,6 +54,14 @@ PYBIND11_MODULE(coordinator, m) {
   py::class_<Coordinator>(m, "Coordinator", "Frame in, StepResult out; all time is the frames' own.")
       .def(py::init<const CoordinatorConfig&>(), py::arg("config"))
       .def("step", &Coordinator::step, py::arg("frame"), py::call_guard<py::gil_scoped_release>())
+      .def(
+          "answer",
+          [](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
+             Reason reason) {
+            return coordinator.answer(utime, {observation, observation ? Reason::none : reason});
+          },
+          "step() without the eyes: what was seen in the frame of that time, or None and why.", py::arg("utime"),
+          py::arg("observation"), py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"))
       .def("without_frame", &Coordinator::without_frame, py::arg("utime"),
            py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
            "What holds at utime if no newer frame has come; changes nothing.")

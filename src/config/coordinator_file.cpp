@@ -33,6 +33,9 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   read_section(root, "velocity", config.velocity);
   read_section(root, "heading", config.heading);
   read_section(root, "limits", config.limits);
+  read_section(root, "anticipate", config.anticipate);
+  read_section(root, "leader_motion", config.leader_motion);
+  read_section(root, "drive", config.drive);
   root.finish();
 }
 
@@ -48,7 +51,7 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   if (root.optional("source")) file.source = root.text("source");
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
   if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);
-  config.control.velocity.control_period_s = 1.0 / file.frame_rate_hz;
+  config.control.velocity.control_period_s = config.control.drive.latency_s = 1.0 / file.frame_rate_hz;
 
   read_camera(root.section("camera"), config);
   config.leader = load_leader_body(root.file_path("leader"));

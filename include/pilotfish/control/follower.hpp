@@ -4,9 +4,12 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/control/anticipating_law.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/heading_controller.hpp"
+#include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
+#include "pilotfish/control/own_motion.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
@@ -22,20 +25,31 @@ std::string_view to_string(Profile profile) noexcept;
 Profile profile_from(std::string_view name);
 
 struct FollowerConfig {
-  Profile profile = Profile::paper;
+  Profile profile = Profile::anticipate;
   fuzzy::Controller law;  ///< must have passed fuzzy::prove
   FuzzyVelocityConfig velocity;
   HeadingControllerConfig heading;
   LimitsConfig limits;
+  AnticipateConfig anticipate;
+  LeaderMotionConfig leader_motion;
+  DriveModelConfig drive;
+  FieldOfView view;  ///< of the camera, for the guard of `anticipate`
 };
 
 struct FollowerOutput {
   Twist command;             ///< within the limits
-  VelocityCommand velocity;  ///< what the fuzzy law said on the way
+  VelocityCommand velocity;  ///< what the fuzzy law said on the way; of `anticipate`: on the predicted error
+  /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
+  std::optional<LeaderMotion> leader;
+  double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
 };
 
-/// The way into this room: Observation in, Twist out. Remembers the last error and the last command, nothing else;
-/// time comes from the observations.
+/// The way into this room: Observation in, Twist out. Time comes from the observations.
+///
+///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
+///   anticipate  own commands --> OwnMotion --+
+///               observation -----------------+--> LeaderMotionEstimator --> prediction --> anticipate()
+///                                                 --> blended with the paper's command by trust --> guards --> limits
 class Follower {
  public:
   /// Throws ConfigError if any parameter is out of range.
@@ -43,11 +57,21 @@ class Follower {
 
   FollowerOutput follow(const Observation& observation, const Setpoint& setpoint);
 
-  /// Forget the past: the robot stands still (or was told to). The next follow() starts with ec = 0 from rest.
-  void restart();
+  /// Forget the past: from since_utime on the robot is told to stand still. The next follow() starts with ec = 0 from
+  /// rest; dead reckoning goes on, because the wheels still have to come to rest.
+  void restart(std::int64_t since_utime);
 
  private:
+  /// The paper's law, not yet limited.
+  Twist as_published(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
+  /// What `anticipate` makes of it.
+  Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
+                    FollowerOutput& output);
+  std::int64_t acts_utime(std::int64_t utime) const;
+
   FollowerConfig config_;
+  OwnMotion own_;
+  LeaderMotionEstimator leader_;
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;
   Twist last_command_;
