@@ -110,7 +110,11 @@ PYBIND11_MODULE(control, m) {
   py::module_::import("pilotfish.fuzzy");
   m.doc() = "From an observation to a twist: the fuzzy velocity law, the heading controller, the limits.";
 
-  py::enum_<Profile>(m, "Profile", "Which law drives.")
+  py::enum_<Law>(m, "Law", "Which law drives: the fuzzy one, or a peer it is compared with.")
+      .value("fuzzy", Law::fuzzy)
+      .value("pbvs", Law::pbvs)
+      .value("pid", Law::pid);
+  py::enum_<Profile>(m, "Profile", "How the fuzzy law drives.")
       .value("paper", Profile::paper)
       .value("anticipate", Profile::anticipate);
 
@@ -119,6 +123,8 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
+  bind_parameters<PbvsConfig>(m, "PbvsConfig", "ViSP's adaptive gain.");
+  bind_parameters<PidConfig>(m, "PidConfig", "Gains of two independent PID controllers.");
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels do what they are told.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
@@ -134,13 +140,16 @@ PYBIND11_MODULE(control, m) {
       .def(py::init([](const fuzzy::Controller& law, Profile profile, const FuzzyVelocityConfig& velocity,
                        const HeadingControllerConfig& heading, const LimitsConfig& limits,
                        const AnticipateConfig& anticipate, const LeaderMotionConfig& leader_motion,
-                       const DriveModelConfig& drive) {
-             return FollowerConfig{profile, law, velocity, heading, limits, anticipate, leader_motion, drive, {}};
+                       const DriveModelConfig& drive, Law active_law, const PbvsConfig& pbvs, const PidConfig& pid) {
+             return FollowerConfig{profile,       law,   velocity,   heading, limits, anticipate,
+                                   leader_motion, drive, active_law, pbvs,    pid,    {}};
            }),
            py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
            py::arg("velocity") = FuzzyVelocityConfig{}, py::arg("heading") = HeadingControllerConfig{},
            py::arg("limits") = LimitsConfig{}, py::arg("anticipate") = AnticipateConfig{},
-           py::arg("leader_motion") = LeaderMotionConfig{}, py::arg("drive") = DriveModelConfig{})
+           py::arg("leader_motion") = LeaderMotionConfig{}, py::arg("drive") = DriveModelConfig{},
+           py::arg_v("active_law", Law::fuzzy, "Law.fuzzy"), py::arg("pbvs") = PbvsConfig{},
+           py::arg("pid") = PidConfig{})
       .def_readwrite("profile", &FollowerConfig::profile)
       .def_readwrite("law", &FollowerConfig::law)
       .def_readwrite("velocity", &FollowerConfig::velocity)
@@ -149,6 +158,9 @@ PYBIND11_MODULE(control, m) {
       .def_readwrite("anticipate", &FollowerConfig::anticipate)
       .def_readwrite("leader_motion", &FollowerConfig::leader_motion)
       .def_readwrite("drive", &FollowerConfig::drive)
+      .def_readwrite("active_law", &FollowerConfig::active_law)
+      .def_readwrite("pbvs", &FollowerConfig::pbvs)
+      .def_readwrite("pid", &FollowerConfig::pid)
       .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")

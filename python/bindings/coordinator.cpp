@@ -30,6 +30,13 @@ void bind_config(py::module_& m) {
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
+  m.def(
+      "load_tuning",
+      [](const std::filesystem::path& path, control::FollowerConfig config) {
+        config::load_tuning(path, config);
+        return config;
+      },
+      py::arg("path"), py::arg("control"), "The control configuration with what the file says instead.");
   m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
   m.def("load_leader_body", &config::load_leader_body, py::arg("path"));
   m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");

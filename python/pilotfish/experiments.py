@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from rich.table import Table
 
@@ -13,7 +14,6 @@ from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import Metrics, evaluate
 from pilotfish.recording import Recording
 
-PROFILES = ("paper", "anticipate")
 TRANSPORTS = ("lcm", "in-process")
 
 
@@ -52,15 +52,16 @@ class Result:
 
 def run_experiment(
     experiment: Experiment,
-    profile: str = "paper",
+    profile: str = "anticipate",
     transport: str = "lcm",
     *,
+    tuning: Path | None = None,
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,
 ) -> Result:
     """Plays it over LCM with the real programs, or in this process (same law, same pictures, no bus)."""
     scenario = experiment.scenario()
-    run = _runner(transport)(scenario, profile=profile, duration_s=duration_s, on_progress=on_progress)
+    run = _runner(transport)(scenario, profile=profile, tuning=tuning, duration_s=duration_s, on_progress=on_progress)
     recording = run.recordings[scenario.robot().name]
     return Result(experiment, scenario, profile, run, recording, evaluate(recording))
 

@@ -5,6 +5,21 @@
 
 namespace pilotfish::control {
 
+std::string_view to_string(Law law) noexcept {
+  switch (law) {
+    case Law::fuzzy: return "fuzzy";
+    case Law::pbvs: return "pbvs";
+    case Law::pid: return "pid";
+  }
+  return "unknown";
+}
+
+Law law_from(std::string_view name) {
+  for (Law law : {Law::fuzzy, Law::pbvs, Law::pid})
+    if (name == to_string(law)) return law;
+  throw ConfigError("law", "'" + std::string(name) + "' is not a law; choose fuzzy, pbvs or pid");
+}
+
 std::string_view to_string(Profile profile) noexcept {
   switch (profile) {
     case Profile::paper: return "paper";
@@ -20,13 +35,19 @@ Profile profile_from(std::string_view name) {
 }
 
 Follower::Follower(FollowerConfig config)
-    : config_(std::move(config)), own_(config_.drive, config_.limits), leader_(config_.leader_motion) {
+    : config_(std::move(config)),
+      own_(config_.drive, config_.limits),
+      pbvs_(config_.pbvs),
+      pid_(config_.pid, config_.limits),
+      leader_(config_.leader_motion) {
   check_ranges(config_.velocity, "control.velocity");
   check_ranges(config_.heading, "control.heading");
   check_ranges(config_.limits, "control.limits");
   check_ranges(config_.anticipate, "control.anticipate");
   check_ranges(config_.leader_motion, "control.leader_motion");
   check_ranges(config_.drive, "control.drive");
+  check_ranges(config_.pbvs, "control.pbvs");
+  check_ranges(config_.pid, "control.pid");
   fuzzy::prove(config_.law);
 }
 
@@ -35,15 +56,23 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   const double dt_s =
       last_utime_ ? static_cast<double>(observation.utime - *last_utime_) * 1e-6 : config_.velocity.control_period_s;
   FollowerOutput output;
-  Twist wanted = as_published(observation, setpoint, dt_s, output);
-  if (config_.profile == Profile::anticipate) wanted = anticipated(observation, setpoint, wanted, output);
-  output.command = limit(config_.limits, wanted, last_command_, dt_s);
+  output.command = limit(config_.limits, wanted(observation, setpoint, dt_s, output), last_command_, dt_s);
 
   own_.command(output.command, acts_utime(observation.utime));
   last_utime_ = observation.utime;
   last_error_m_ = setpoint.distance_m - observation.distance_m;
   last_command_ = output.command;
   return output;
+}
+
+Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output) {
+  const Twist published = as_published(observation, setpoint, dt_s, output);
+  switch (config_.active_law) {
+    case Law::pbvs: return pbvs_.follow(observation, setpoint);
+    case Law::pid: return pid_.follow(observation, setpoint, dt_s);
+    case Law::fuzzy: break;
+  }
+  return config_.profile == Profile::anticipate ? anticipated(observation, setpoint, published, output) : published;
 }
 
 Twist Follower::as_published(const Observation& observation, const Setpoint& setpoint, double dt_s,
@@ -88,6 +117,7 @@ std::int64_t Follower::acts_utime(std::int64_t utime) const {
 void Follower::restart(std::int64_t since_utime) {
   if (last_utime_) own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
   leader_.reset();
+  pid_.restart();
   last_utime_.reset();
   last_error_m_.reset();
   last_command_ = Twist{};

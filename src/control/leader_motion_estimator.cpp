@@ -15,7 +15,7 @@ constexpr int kPosition = 0, kVelocity = 2, kHeading = 4, kTurn = 5;
 constexpr int kCalm = 0, kJolt = 2;  // and 1: steering
 
 // A measurement is never believed more than this: what rounding and a rigid world leave over.
-constexpr double kFloor_m = 1e-4, kFloor_rad = 2e-4;
+constexpr double kFloor_m = 2e-5, kFloor_rad = 5e-5;
 // Before anything is known, of a leader indoors.
 constexpr double kUnknownSpeed_mps = 0.5, kUnknownTurn_radps = 0.7;
 constexpr std::array<double, 3> kPrior{0.4, 0.4, 0.2};
@@ -56,6 +56,10 @@ const std::vector<Parameter<LeaderMotionConfig>>& LeaderMotionConfig::parameters
 ///
 ///   dp/dv = dt g,  dp/dw = dt^2 dg/da v,  dv/dv = R,  dv/dw = dt J R v,  dheading/dw = dt.
 ///
+/// The product of turn rate and velocity is the one term that matters beyond the linear: soon after the start, both are
+/// unknown. To second order v -> v + dt J (w v) and p -> p + dt^2/2 J (w v), and with c = cov(v, w) the product w v has
+/// the mean w v + c and, about its linear part, the covariance S = cov(v) var(w) + c c^T.
+///
 /// White noise of density q on dv/dt and dw/dt, integrated over dt, has the covariance
 /// q [dt^3/3, dt^2/2; dt^2/2, dt] on (position, velocity) and likewise on (heading, turn rate).
 LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_sigma, double turn_sigma,
@@ -92,6 +96,17 @@ LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_si
   add_walk(kHeading, kTurn, turn_sigma);
   q(0, 0) += position_sigma * position_sigma * dt_s;
   q(1, 1) += position_sigma * position_sigma * dt_s;
+  const Eigen::Vector2d c = estimate.covariance.block<2, 1>(kVelocity, kTurn);
+  const Eigen::Matrix2d product =
+      left *
+      (estimate.covariance.block<2, 2>(kVelocity, kVelocity) * estimate.covariance(kTurn, kTurn) + c * c.transpose()) *
+      left.transpose();
+  next.mean.segment<2>(kPosition) += 0.5 * dt_s * dt_s * left * c;
+  next.mean.segment<2>(kVelocity) += dt_s * left * c;
+  q.block<2, 2>(kPosition, kPosition) += 0.25 * dt_s * dt_s * dt_s * dt_s * product;
+  q.block<2, 2>(kVelocity, kVelocity) += dt_s * dt_s * product;
+  q.block<2, 2>(kPosition, kVelocity) += 0.5 * dt_s * dt_s * dt_s * product;
+  q.block<2, 2>(kVelocity, kPosition) += 0.5 * dt_s * dt_s * dt_s * product;
   next.covariance = symmetric(f * estimate.covariance * f.transpose() + q);
   return next;
 }

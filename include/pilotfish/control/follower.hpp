@@ -10,12 +10,24 @@
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/control/own_motion.hpp"
+#include "pilotfish/control/pbvs_law.hpp"
+#include "pilotfish/control/pid_law.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
 namespace pilotfish::control {
 
-/// Which law drives.
+/// Which law drives: the fuzzy one, or one of the peers it is compared with.
+enum class Law {
+  fuzzy,  ///< the paper's, as its profile says
+  pbvs,   ///< ViSP's position-based visual servo
+  pid,    ///< PID on distance and bearing
+};
+std::string_view to_string(Law law) noexcept;
+/// Throws ConfigError listing the laws.
+Law law_from(std::string_view name);
+
+/// How the fuzzy law drives.
 enum class Profile {
   paper,       ///< the law as published
   anticipate,  ///< the same law around a feed-forward of the leader's motion, estimated by vision alone
@@ -33,12 +45,17 @@ struct FollowerConfig {
   AnticipateConfig anticipate;
   LeaderMotionConfig leader_motion;
   DriveModelConfig drive;
+  Law active_law = Law::fuzzy;
+  PbvsConfig pbvs;
+  PidConfig pid;
   FieldOfView view;  ///< of the camera, for the guard of `anticipate`
 };
 
 struct FollowerOutput {
-  Twist command;             ///< within the limits
-  VelocityCommand velocity;  ///< what the fuzzy law said on the way; of `anticipate`: on the predicted error
+  Twist command;  ///< within the limits
+  /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. A peer does not
+  /// listen.
+  VelocityCommand velocity;
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
   std::optional<LeaderMotion> leader;
   double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
@@ -62,7 +79,9 @@ class Follower {
   void restart(std::int64_t since_utime);
 
  private:
-  /// The paper's law, not yet limited.
+  /// What the active law wants, not yet limited.
+  Twist wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
+  /// The paper's law.
   Twist as_published(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
   /// What `anticipate` makes of it.
   Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
@@ -71,6 +90,8 @@ class Follower {
 
   FollowerConfig config_;
   OwnMotion own_;
+  PbvsLaw pbvs_;
+  PidLaw pid_;
   LeaderMotionEstimator leader_;
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;

@@ -1,4 +1,4 @@
-"""The command line: ``pilotfish experiment | render | plot | demo``."""
+"""The command line: ``pilotfish experiment | render | plot | tune | demo``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pilotfish.cli.demo import demo
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
+from pilotfish.cli.tune import tune
 
 app = typer.Typer(
     name="pilotfish",
@@ -20,7 +21,7 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (experiment, render, plot, demo):
+for command in (experiment, render, plot, tune, demo):
     app.command()(command)
 
 
