@@ -110,5 +110,6 @@ _ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
     ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),
     ("mean bearing error", lambda r: f"{r.metrics.mean_bearing_error_deg:+.2f}°"),
     ("RMS bearing error", lambda r: f"{r.metrics.rms_bearing_error_deg:.2f}°"),
+    ("RMS jerk of the command", lambda r: f"{r.metrics.rms_jerk_mps3:.1f} m/s³"),
     ("frames detected", lambda r: f"{100.0 * r.metrics.frames_detected_ratio:.1f} %"),
 )  # fmt: skip

@@ -35,7 +35,7 @@ def measurement(index, x, y, heading, noise, correlation=0.6):
 def coordinated_turn(state, dt_s):
     """(x, y, vx, vy, heading, turn rate) after dt_s, along the arc: with a = w dt,
 
-        p += R(a/2) v dt sin(a/2) / (a/2),  v -> R(a) v,  heading += a
+    p += R(a/2) v dt sin(a/2) / (a/2),  v -> R(a) v,  heading += a
     """
     x, y, vx, vy, heading, w = state
     a = w * dt_s

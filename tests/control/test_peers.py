@@ -44,8 +44,8 @@ def test_the_visual_servo_lets_the_point_s_error_decay_with_its_gain(d, theta, d
 
 
 def test_the_visual_servo_s_gain_adapts_to_the_error():
-    """ViSP: lambda(x) = (l0 - linf) exp(-slope x / (l0 - linf)) + linf of the greatest error component x. Straight ahead
-    and 0.1 m too far, v = lambda 0.1."""
+    """ViSP: lambda(x) = (l0 - linf) exp(-slope x / (l0 - linf)) + linf of the greatest error component x. Straight
+    ahead and 0.1 m too far, v = lambda 0.1."""
     config = control.PbvsConfig(gain_at_zero=2.5, gain_at_infinity=0.4, slope_at_zero=30.0)
     command = first_command(follower(control.Law.pbvs, pbvs=config), 1.1, 0.0, core.Setpoint(distance_m=1.0))
     gain = 2.1 * math.exp(-30.0 * 0.1 / 2.1) + 0.4
