@@ -150,7 +150,7 @@ def test_a_replay_of_another_run_is_refused(line, in_process):
 @pytest.fixture(scope="module")
 def sequence(line, tmp_path_factory):
     folder = tmp_path_factory.mktemp("sequence")
-    assert render_sequence(line, folder, frames=6) == 6
+    assert render_sequence(line, folder, frames=6, profile="paper") == 6
     return folder
 
 
