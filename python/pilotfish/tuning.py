@@ -54,7 +54,7 @@ SEARCH: dict[str, dict[str, Range]] = {
     "pbvs": {
         "pbvs.gain_at_zero": Range(0.5, 20.0),
         "pbvs.gain_at_infinity": Range(0.1, 20.0),
-        "pbvs.slope_at_zero": Range(0.5, 200.0),
+        "pbvs.slope_at_zero": Range(0.5, 1000.0),
     },
     "pid": {
         "pid.distance_kp": Range(0.3, 20.0),
