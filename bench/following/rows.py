@@ -8,7 +8,7 @@ import numpy as np
 from figures import physical_limit_m
 
 SCENARIOS = ("line", "circle", "stop_dead", "start", "reverse", "figure_eight", "square", "occlusion")
-LAWS = ("anticipate", "paper", "pbvs", "pid")
+LAWS = ("paper", "pbvs", "pid", "anticipate")
 PEERS = ("pbvs", "pid")
 
 Figures = dict[str, dict[str, list[dict[str, float]]]]  # scenario -> law -> one per seed

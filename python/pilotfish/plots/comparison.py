@@ -13,7 +13,7 @@ from pilotfish.recording import Recording
 
 _COLOURS = {"paper": BLUE, "anticipate": VERMILLION, "pbvs": GREEN, "pid": PURPLE}
 _OTHERS = (ORANGE, SKY, BLACK)
-ZOOM_MM = 60.0
+ZOOM_MM = (-60.0, 30.0)
 
 Runs = Mapping[str, Recording]  # by the name of the law
 
@@ -28,8 +28,8 @@ def draw_comparison(experiments: Mapping[str, Runs]) -> Figure:
             whole.set_title(title)
             whole.set_ylabel("distance error e [m]")
             draw_errors_on(zoom, runs, scale=1000.0)
-            zoom.set_ylim(-ZOOM_MM, ZOOM_MM)
-            zoom.set_ylabel(f"e within ±{ZOOM_MM:.0f} mm [mm]")
+            zoom.set_ylim(*ZOOM_MM)
+            zoom.set_ylabel("the same, magnified [mm]")
             _draw_bearing_on(bearing, runs)
             bearing.set_xlabel("time [s]")
         handles, labels = columns[0][0].get_legend_handles_labels()
