@@ -11,10 +11,10 @@ namespace pilotfish::control {
 /// The paper's law around a feed-forward of the leader's motion. It acts on a predicted error, without the delay of the
 /// camera and the wheels, and can therefore be steeper than the law as published: hence scales of its own.
 struct AnticipateConfig {
-  double error_scale_m = 0.35;
+  double error_scale_m = 0.28;
   double error_change_scale_m = 0.1;
   double velocity_scale_mps = 0.6;
-  double heading_gain_per_s = 4.0;
+  double heading_gain_per_s = 6.0;
   double trusted_sigma_mps = 0.1;   ///< standard deviation of the leader's velocity at which it counts half
   double minimum_distance_m = 0.4;  ///< d_min: never so fast that it could not stop before
   double safety_sigmas = 3.0;       ///< k: the distance counts as shorter by so many standard deviations

@@ -12,13 +12,13 @@ namespace pilotfish::control {
 /// How leaders move. Each of the three is a random walk of the velocity and of the turn rate: in a time t they change
 /// by about sigma * sqrt(t).
 struct LeaderMotionConfig {
-  double calm_velocity_sigma = 0.001;  ///< [m/s per sqrt(s)]
-  double calm_turn_sigma = 0.02;       ///< [rad/s per sqrt(s)]
+  double calm_velocity_sigma = 0.0008;  ///< [m/s per sqrt(s)]
+  double calm_turn_sigma = 0.05;        ///< [rad/s per sqrt(s)]
   double steering_velocity_sigma = 0.05;
-  double steering_turn_sigma = 0.3;
+  double steering_turn_sigma = 1.0;
   double jolt_velocity_sigma = 1.5;  ///< stops dead, or starts, within one frame
   double jolt_turn_sigma = 3.0;
-  double change_rate_per_s = 0.05;     ///< how often a leader passes from one way of moving to another
+  double change_rate_per_s = 0.2;      ///< how often a leader passes from one way of moving to another
   double own_position_sigma = 0.0002;  ///< error of the own dead reckoning [m per sqrt(s)]
   double gate_sigma = 6.0;             ///< a measurement farther than this from all three is an outlier
   int max_outliers = 3;                ///< so many in a row are no outliers: the estimate begins anew
