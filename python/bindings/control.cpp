@@ -56,6 +56,7 @@ void bind_estimator(py::module_& m) {
   py::enum_<LeaderMotionEstimator::Outcome>(estimator, "Outcome", "What an update led to.")
       .value("started", LeaderMotionEstimator::Outcome::started)
       .value("updated", LeaderMotionEstimator::Outcome::updated)
+      .value("position_only", LeaderMotionEstimator::Outcome::position_only)
       .value("outlier", LeaderMotionEstimator::Outcome::outlier)
       .value("restarted", LeaderMotionEstimator::Outcome::restarted)
       .value("unusable", LeaderMotionEstimator::Outcome::unusable);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pilotfish/core/angles.hpp"
 
@@ -16,6 +17,7 @@ constexpr int kCalm = 0, kJolt = 2;  // and 1: steering
 
 // A measurement is never believed more than this: what rounding and a rigid world leave over.
 constexpr double kFloor_m = 2e-5, kFloor_rad = 5e-5;
+constexpr double kNoHeading_rad2 = 100.0;  // the variance of a heading that says nothing
 // Before anything is known, of a leader indoors.
 constexpr double kUnknownSpeed_mps = 0.5, kUnknownTurn_radps = 0.7;
 constexpr std::array<double, 3> kPrior{0.4, 0.4, 0.2};
@@ -123,8 +125,10 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
   z.mean << own.x_m + d * std::cos(b), own.y_m + d * std::sin(b), own.heading_rad + seen.heading_rad;
   z.covariance = jacobian * seen.covariance * jacobian.transpose();
   z.covariance.diagonal() += Eigen::Vector3d(kFloor_m * kFloor_m, kFloor_m * kFloor_m, kFloor_rad * kFloor_rad);
-  if (!z.mean.allFinite() || !z.covariance.allFinite() || z.covariance.diagonal().minCoeff() <= 0.0)
+  if (!z.mean.allFinite() || !z.covariance.allFinite() ||
+      Eigen::LLT<Eigen::Matrix3d>(z.covariance).info() != Eigen::Success)
     return Outcome::unusable;
+  const Measurement first = z;
 
   if (!started_) {
     start(z, seen.utime);
@@ -135,6 +139,33 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
 
   const LeaderMotionEstimator before = *this;
   mix(dt_s);
+  const LeaderMotionEstimator mixed = *this;
+  const double gate2 = config_.gate_sigma * config_.gate_sigma;
+  Outcome outcome = Outcome::updated;
+  double distance2 = correct(z, dt_s);
+  if (!(distance2 <= gate2)) {
+    // The other of the two poses of a flat tag has about the same position: believe that alone.
+    *this = mixed;
+    z.covariance.row(2).setZero();
+    z.covariance.col(2).setZero();
+    z.covariance(2, 2) = kNoHeading_rad2;
+    outcome = Outcome::position_only;
+    distance2 = correct(z, dt_s);
+  }
+  if (!(distance2 <= gate2)) {
+    *this = before;
+    if (++outliers_ < config_.max_outliers) return Outcome::outlier;
+    start(first, seen.utime);
+    return Outcome::restarted;
+  }
+  utime_ = seen.utime;
+  outliers_ = 0;
+  return outcome;
+}
+
+/// Corrects all three filters and their probabilities. Returns the squared distance, in standard deviations, of the
+/// measurement from the nearest of the three predictions; not a number if that cannot be told.
+double LeaderMotionEstimator::correct(const Measurement& z, double dt_s) noexcept {
   // Likelihoods relative to the best, in logarithms: far from all three they would all be zero.
   std::array<double, 3> log_likelihood{};
   double nearest = std::numeric_limits<double>::infinity();
@@ -149,10 +180,7 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
     Eigen::Vector3d innovation = z.mean - Eigen::Vector3d(estimate.mean(0), estimate.mean(1), estimate.mean(kHeading));
     innovation(2) = wrap_angle(innovation(2));
     const Eigen::LLT<Eigen::Matrix3d> cholesky(s);
-    if (cholesky.info() != Eigen::Success) {
-      *this = before;
-      return Outcome::unusable;
-    }
+    if (cholesky.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
     const double distance2 = cholesky.matrixL().solve(innovation).squaredNorm();
     const Eigen::Matrix3d lower = cholesky.matrixL();
     log_likelihood[mode] = -0.5 * distance2 - lower.diagonal().array().log().sum();
@@ -162,19 +190,11 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
     estimate.covariance = symmetric(p - gain * pht.transpose());
     modes_[mode] = estimate;
   }
-  if (nearest > config_.gate_sigma * config_.gate_sigma) {
-    *this = before;
-    if (++outliers_ < config_.max_outliers) return Outcome::outlier;
-    start(z, seen.utime);
-    return Outcome::restarted;
-  }
   const double best = *std::max_element(log_likelihood.begin(), log_likelihood.end());
   double sum = 0.0;
   for (int mode = 0; mode < 3; ++mode) sum += probability_[mode] *= std::exp(log_likelihood[mode] - best);
   for (double& probability : probability_) probability /= sum;
-  utime_ = seen.utime;
-  outliers_ = 0;
-  return Outcome::updated;
+  return nearest;
 }
 
 void LeaderMotionEstimator::start(const Measurement& measured, std::int64_t utime) noexcept {

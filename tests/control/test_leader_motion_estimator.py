@@ -138,6 +138,19 @@ def test_a_tag_that_hangs_crooked_does_not_bend_the_velocity():
     assert velocity == pytest.approx(states[-1][2:4], abs=0.002)
 
 
+def test_a_heading_that_flips_to_the_tag_s_other_pose_leaves_the_motion_alone():
+    """Every third heading is 40 degrees off, as the second solution of a flat tag may be; the position is right."""
+    estimator, random = control.LeaderMotionEstimator(), np.random.default_rng(8)
+    outcomes = []
+    for k, state in enumerate(drive((1.1, 0.0, 0.2), [(0.2, 0.0)] * 120)):
+        heading = state[4] + (math.radians(40.0) if k % 3 == 2 else 0.0)
+        seen = measurement(k, state[0], state[1], heading, random.standard_normal(3), correlation=0.0)
+        outcomes.append(estimator.update(seen, (0.0, 0.0, 0.0)))
+        if k > 30:
+            assert estimator.at(utime(k)).mean[2:4] == pytest.approx(state[2:4], abs=0.01)
+    assert outcomes[32::3] == [Outcome.position_only] * len(outcomes[32::3])
+
+
 def test_one_wild_measurement_is_an_outlier_and_three_begin_anew():
     estimator = control.LeaderMotionEstimator()
     random = np.random.default_rng(3)

@@ -46,7 +46,14 @@ LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_si
 /// noise on to the wheels. No allocation, nothing throws.
 class LeaderMotionEstimator {
  public:
-  enum class Outcome { started, updated, outlier, restarted, unusable };
+  enum class Outcome {
+    started,
+    updated,
+    position_only,  ///< its heading was an outlier: a flat tag can be seen in two poses
+    outlier,
+    restarted,
+    unusable
+  };
 
   explicit LeaderMotionEstimator(const LeaderMotionConfig& config) : config_(config) {}
 
@@ -69,6 +76,7 @@ class LeaderMotionEstimator {
   };
   void start(const Measurement& measured, std::int64_t utime) noexcept;
   void mix(double dt_s) noexcept;
+  double correct(const Measurement& z, double dt_s) noexcept;
   LeaderEstimate predicted(int mode, double dt_s) const noexcept;
 
   LeaderMotionConfig config_;
