@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from pilotfish import coordinator, data, sim
+from pilotfish.errors import MissingPackageError
 from pilotfish.harness.drawn_sight import DrawnSight
 from pilotfish.harness.driving import Driving
 from pilotfish.harness.in_process import run_in_process
@@ -164,8 +165,10 @@ def current_parameters(name: str) -> dict[str, float]:
 def tune(name: str, trials: int, seed: int, on_trial: Callable[[int, int], None] | None = None) -> Tuned:
     """A seeded search with Optuna's TPE; the first trial is what the configuration says. The same seed gives the same
     result."""
-    import optuna
-
+    try:
+        import optuna
+    except ModuleNotFoundError as error:
+        raise MissingPackageError("tuning needs Optuna: pip install 'pilotfish[tune]'") from error
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     trial_cost, start = Trial(name, seed), current_parameters(name)
 

@@ -1,11 +1,15 @@
 """The search for a law's parameters: seeded, fair, and its result is a file that the coordinator reads."""
 
+import sys
+
 import numpy as np
 import pytest
 from synthetic_run import synthetic_run
+from typer.testing import CliRunner
 
 from pilotfish import coordinator, tuning
 from pilotfish import data as shipped
+from pilotfish.cli import app
 from pilotfish.harness.driving import PEERS, PROFILES
 
 
@@ -56,3 +60,10 @@ def test_a_tuning_of_something_else_is_refused_by_its_key(tmp_path):
     (tmp_path / "odd.yaml").write_text("pid: {distance_kp: 1.0}\nwings: {span_m: 2.0}\n")
     with pytest.raises(ValueError, match="wings"):
         coordinator.load_tuning(tmp_path / "odd.yaml", config().control)
+
+
+def test_without_the_search_s_package_it_ends_with_69_and_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "optuna", None)  # as if it were not installed
+    result = CliRunner().invoke(app, ["tune", "pid", "--trials", "1"])
+    assert result.exit_code == 69
+    assert "pip install" in result.output
