@@ -12,6 +12,8 @@ SETTLED_S = {"stop_dead": 5.0, "start": 3.0, "reverse": 3.0}
 STOP_S = 10.0
 OCCLUDED_S = (15.0, 16.0)
 BAND_M = 0.05
+HALF_VIEW_RAD = np.arctan(320.0 / 600.0)  # 640 px at f = 600 px; the camera looks straight ahead
+HALF_LEADER_M = 0.15
 REFERENCE_SPEED_MPS, LATENCY_S, LAG_S, ACCELERATION_MPS2 = 0.2, 1.0 / 30.0, 0.1, 1.0
 
 
@@ -33,7 +35,8 @@ def figures_of(scenario: str, run: Recording) -> dict[str, float]:
         "rms bearing [deg]": _rms(bearing_deg[counts]),
         "peak bearing [deg]": float(np.abs(bearing_deg[counts]).max()),
         "rms jerk [m/s3]": rms_jerk_mps3(run),
-        "frames lost": float(np.sum(run.status != "tracking")),
+        "frames not measured": float(np.sum(run.status != "tracking")),
+        "frames out of picture": float(np.sum(~_in_picture(run))),
     }
     if scenario in ("line", "circle"):
         figures["standing error [mm]"] = float(abs(error_mm[counts].mean()))
@@ -52,6 +55,12 @@ def figures_of(scenario: str, run: Recording) -> dict[str, float]:
         figures["command 100 ms after [m/s]"] = float(np.abs(commands[hidden]).max())
         figures["back within 50 mm [s]"] = _last_outside_s(time_s[after] - OCCLUDED_S[1], error_mm[after])
     return figures
+
+
+def _in_picture(run: Recording) -> np.ndarray:
+    """Whether a disc around the leader's origin that holds its rear tag lies between the edges of the picture."""
+    half_width_rad = np.arctan(HALF_LEADER_M / run.true_distance_m)
+    return np.abs(run.true_bearing_rad) + half_width_rad <= HALF_VIEW_RAD
 
 
 def _rms(values: np.ndarray) -> float:

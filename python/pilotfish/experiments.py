@@ -91,7 +91,9 @@ def metrics_table(results: Sequence[Result]) -> Table:
 
 
 def _millimetres(value_m: float) -> str:
-    return f"{1000.0 * value_m:+.0f} mm"
+    """Tenths only where they matter."""
+    value_mm = 1000.0 * value_m
+    return f"{value_mm:+.0f} mm" if abs(value_mm) >= 10.0 else f"{value_mm:+.1f} mm"
 
 
 def _settling(result: Result) -> str:
@@ -105,7 +107,7 @@ _ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
     ("initial distance error", lambda r: _millimetres(r.metrics.initial_error_m)),
     ("final distance error", lambda r: _millimetres(r.metrics.final_error_m)),
     ("standing distance error", lambda r: _millimetres(r.metrics.standing_error_m)),
-    ("RMS distance error", lambda r: f"{1000.0 * r.metrics.rms_error_m:.0f} mm"),
+    ("RMS distance error", lambda r: _millimetres(r.metrics.rms_error_m).lstrip("+")),
     ("settling to standing ±50 mm", _settling),
     ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),
     ("mean bearing error", lambda r: f"{r.metrics.mean_bearing_error_deg:+.2f}°"),

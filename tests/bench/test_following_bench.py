@@ -31,6 +31,15 @@ def test_closest_approach_and_reversal_are_read_off_after_the_stop():
     assert found["reversal [mm]"] == pytest.approx(5.0)
 
 
+def test_a_leader_is_out_of_the_picture_when_its_disc_crosses_the_edge():
+    """At 1 m the disc of 0.15 m takes atan(0.15) = 8.5 degrees, so the edge at atan(320/600) = 28.1 is reached at 19.5
+    degrees of bearing; the setpoint is -10 degrees."""
+    time_s = np.arange(300) / 30.0
+    bearing_error_rad = np.radians(np.where(time_s < 5.0, 29.0, 30.0))  # 19 degrees, then 20
+    run = synthetic_run(time_s, np.zeros(300), bearing_error_rad)
+    assert figures.figures_of("square", run)["frames out of picture"] == 150
+
+
 def test_a_row_is_met_only_if_the_worst_seed_meets_it():
     runs = {law: [{"standing error [mm]": 1.0}, {"standing error [mm]": 1.5}] for law in rows.LAWS}
     row = rows._row({"line": runs}, "line", "standing error [mm]", 2.0, "2")
