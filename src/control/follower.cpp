@@ -86,6 +86,7 @@ Twist Follower::as_published(const Observation& observation, const Setpoint& set
 Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
                             FollowerOutput& output) {
   own_.advance_to(observation.utime);
+  if (!leader_.started()) own_.set_origin();
   leader_.update(observation, own_.pose());
   if (!leader_.started()) return published;
 

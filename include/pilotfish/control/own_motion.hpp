@@ -30,6 +30,9 @@ class OwnMotion {
   /// Moves on to utime. The first call only sets the clock; a time in the past changes nothing.
   void advance_to(std::int64_t utime) noexcept;
 
+  /// The odometry frame begins anew, here.
+  void set_origin() noexcept { pose_ = Pose2{}; }
+
   std::int64_t utime() const { return utime_; }
   const Pose2& pose() const { return pose_; }
   const Twist& twist() const { return twist_; }  ///< the real one, behind the commands
