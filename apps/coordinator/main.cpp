@@ -30,6 +30,8 @@ config::CoordinatorFile load(const Options& options) {
   } catch (const std::invalid_argument& error) {
     throw ConfigError("source", error.what());
   }
+  if (options.tuning) config::load_tuning(*options.tuning, file.coordinator.control);
+  if (options.law) file.coordinator.control.active_law = control::law_from(*options.law);
   if (options.profile) file.coordinator.control.profile = control::profile_from(*options.profile);
   return file;
 }
@@ -37,9 +39,9 @@ config::CoordinatorFile load(const Options& options) {
 /// Prints what will be used, so that a log shows what drove the robot.
 void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
-  spdlog::info("robot {}: profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, to_string(config.control.profile),
-               config.setpoint.distance_m, degrees(config.setpoint.bearing_rad),
-               config.setpoint.run ? "" : " (told to stop)");
+  spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name,
+               to_string(config.control.active_law), to_string(config.control.profile), config.setpoint.distance_m,
+               degrees(config.setpoint.bearing_rad), config.setpoint.run ? "" : " (told to stop)");
   spdlog::info("camera {} x {} px, f = {:.1f} px{}", config.camera.width, config.camera.height, config.camera.fx,
                config.camera.has_distortion() ? ", with distortion" : "");
   std::string ids;

@@ -54,7 +54,11 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option(
       "--lcm-url", options.lcm_url,
       "LCM bus; memq:// keeps everything inside this process. Default: $LCM_DEFAULT_URL, else this host alone");
-  app.add_option("--profile", options.profile, "the law that drives")->check(CLI::IsMember({"paper", "anticipate"}));
+  app.add_option("--law", options.law, "the law that drives: fuzzy, or a peer to compare it with")
+      ->check(CLI::IsMember({"fuzzy", "pbvs", "pid"}));
+  app.add_option("--profile", options.profile, "how the fuzzy law drives: as published, or around a feed-forward")
+      ->check(CLI::IsMember({"paper", "anticipate"}));
+  app.add_option("--tuning", options.tuning, "parameters of the law, as pilotfish tune writes them; they win");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
   app.add_flag("--describe-config", options.describe_config,
                "print every key of the configuration as Markdown and end");

@@ -17,7 +17,9 @@ struct Options {
   std::string config_path;
   std::optional<std::string> source;
   std::optional<std::string> name;
+  std::optional<std::string> law;
   std::optional<std::string> profile;
+  std::optional<std::string> tuning;
   std::string lcm_url;
   bool json = false;
   bool describe_config = false;

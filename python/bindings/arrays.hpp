@@ -70,6 +70,17 @@ DoubleArray to_array(const Eigen::Matrix<double, Rows, Columns>& matrix) {
   return array;
 }
 
+template <int Rows, int Columns>
+Eigen::Matrix<double, Rows, Columns> to_matrix(const DoubleArray& array, const std::string& name) {
+  if (array.ndim() != 2 || array.shape(0) != Rows || array.shape(1) != Columns)
+    throw py::value_error("expected " + name + " of shape (" + std::to_string(Rows) + ", " + std::to_string(Columns) +
+                          "), got " + shape_text(array));
+  Eigen::Matrix<double, Rows, Columns> matrix;
+  for (int row = 0; row < Rows; ++row)
+    for (int column = 0; column < Columns; ++column) matrix(row, column) = array.at(row, column);
+  return matrix;
+}
+
 /// Corners (4, 2) in pixels.
 inline DoubleArray to_array(const std::array<Eigen::Vector2d, 4>& corners) {
   DoubleArray array({4, 2});

@@ -1,3 +1,4 @@
+#include "arrays.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
 
@@ -6,18 +7,126 @@ using namespace pilotfish;
 using namespace pilotfish::control;
 using namespace pilotfish::python;
 
+namespace {
+
+void bind_estimator(py::module_& m) {
+  py::class_<OwnMotion>(m, "OwnMotion", "Dead reckoning through a model of the drive, in an odometry frame.")
+      .def(py::init<const DriveModelConfig&, const LimitsConfig&>(), py::arg("drive") = DriveModelConfig{},
+           py::arg("limits") = LimitsConfig{})
+      .def("command", &OwnMotion::command, py::arg("twist"), py::arg("acts_utime"))
+      .def("advance_to", &OwnMotion::advance_to, py::arg("utime"))
+      .def_property_readonly(
+          "pose",
+          [](const OwnMotion& own) {
+            const Pose2& pose = own.pose();
+            return py::make_tuple(pose.x_m, pose.y_m, pose.heading_rad);
+          },
+          "(x_m, y_m, heading_rad)")
+      .def_property_readonly("twist", &OwnMotion::twist, "the real one, behind the commands");
+
+  py::class_<LeaderEstimate>(m, "LeaderEstimate", "(x, y, vx, vy, heading, turn rate) in the odometry frame.")
+      .def_property_readonly("mean", [](const LeaderEstimate& e) { return py::array_t<double>(6, e.mean.data()); })
+      .def_property_readonly(
+          "covariance", [](const LeaderEstimate& e) { return to_array(e.covariance); }, "(6, 6)");
+  m.def(
+      "predict_leader",
+      [](const std::array<double, 6>& mean, const DoubleArray& covariance, double velocity_sigma, double turn_sigma,
+         double position_sigma, double dt_s) {
+        LeaderEstimate estimate;
+        estimate.mean = Eigen::Map<const LeaderVector>(mean.data());
+        estimate.covariance = to_matrix<6, 6>(covariance, "covariance");
+        return predict_leader(estimate, velocity_sigma, turn_sigma, position_sigma, dt_s);
+      },
+      py::arg("mean"), py::arg("covariance"), py::kw_only(), py::arg("velocity_sigma"), py::arg("turn_sigma"),
+      py::arg("position_sigma"), py::arg("dt_s"), "LeaderEstimate after dt_s on a coordinated turn.");
+
+  py::class_<LeaderMotion>(m, "LeaderMotion", "The leader as seen from a pose of the coordinator.")
+      .def(py::init<>())
+      .def_readwrite("distance_m", &LeaderMotion::distance_m)
+      .def_readwrite("bearing_rad", &LeaderMotion::bearing_rad)
+      .def_readwrite("heading_rad", &LeaderMotion::heading_rad)
+      .def_readwrite("radial_mps", &LeaderMotion::radial_mps, "the leader's own velocity along the line of sight")
+      .def_readwrite("tangential_mps", &LeaderMotion::tangential_mps, "and across it, to the left")
+      .def_readwrite("turn_rate_radps", &LeaderMotion::turn_rate_radps)
+      .def_readwrite("distance_sigma_m", &LeaderMotion::distance_sigma_m)
+      .def_readwrite("radial_sigma_mps", &LeaderMotion::radial_sigma_mps)
+      .def_readwrite("tangential_sigma_mps", &LeaderMotion::tangential_sigma_mps);
+
+  py::class_<LeaderMotionEstimator> estimator(m, "LeaderMotionEstimator", "The leader's motion, by vision alone.");
+  py::enum_<LeaderMotionEstimator::Outcome>(estimator, "Outcome", "What an update led to.")
+      .value("started", LeaderMotionEstimator::Outcome::started)
+      .value("updated", LeaderMotionEstimator::Outcome::updated)
+      .value("position_only", LeaderMotionEstimator::Outcome::position_only)
+      .value("outlier", LeaderMotionEstimator::Outcome::outlier)
+      .value("restarted", LeaderMotionEstimator::Outcome::restarted)
+      .value("unusable", LeaderMotionEstimator::Outcome::unusable);
+  estimator.def(py::init<const LeaderMotionConfig&>(), py::arg("config") = LeaderMotionConfig{})
+      .def(
+          "update",
+          [](LeaderMotionEstimator& self, const Observation& seen, const std::array<double, 3>& own) {
+            return self.update(seen, {own[0], own[1], own[2]});
+          },
+          py::arg("observation"), py::arg("own_pose"), "own_pose: (x_m, y_m, heading_rad) in the odometry frame")
+      .def("reset", &LeaderMotionEstimator::reset)
+      .def_property_readonly("started", &LeaderMotionEstimator::started)
+      .def("at", &LeaderMotionEstimator::at, py::arg("utime"), "LeaderEstimate, not before the last update.")
+      .def_property_readonly("probabilities", &LeaderMotionEstimator::probabilities, "of calm, steering, jolt");
+  m.def(
+      "seen_from",
+      [](const std::array<double, 3>& own, const LeaderEstimate& leader) {
+        return seen_from({own[0], own[1], own[2]}, leader);
+      },
+      py::arg("own_pose"), py::arg("leader"), "LeaderMotion of an estimate, from (x_m, y_m, heading_rad).");
+}
+
+void bind_anticipation(py::module_& m) {
+  py::class_<FieldOfView>(m, "FieldOfView", "Bearings at which the leader is in the picture.")
+      .def(py::init([](double right_rad, double left_rad) {
+             return FieldOfView{right_rad, left_rad};
+           }),
+           py::kw_only(), py::arg("right_rad"), py::arg("left_rad"))
+      .def_readwrite("right_rad", &FieldOfView::right_rad)
+      .def_readwrite("left_rad", &FieldOfView::left_rad);
+  py::class_<Reaction>(m, "Reaction", "What the drive can do, and how long it takes until it begins.")
+      .def(py::init([](const LimitsConfig& limits, double delay_s) {
+             return Reaction{limits, delay_s};
+           }),
+           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("delay_s") = 0.0);
+  py::class_<Anticipation>(m, "Anticipation", "What the law wants for a predicted leader.")
+      .def_readonly("wanted", &Anticipation::wanted)
+      .def_readonly("velocity", &Anticipation::velocity);
+  m.def("trust", &trust, py::arg("config"), py::arg("leader"), "in (0, 1]");
+  m.def("anticipate", &anticipate, py::arg("controller"), py::arg("paper"), py::arg("config"), py::arg("leader"),
+        py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
+  m.def("stopping_speed", &stopping_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
+        "Fastest speed from which the robot can still stop d_min away from a leader that stops dead now.");
+  m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("reaction"), py::arg("leader"),
+        py::arg("wanted"), "The nearest twist that keeps the leader in the picture.");
+}
+
+}  // namespace
+
 PYBIND11_MODULE(control, m) {
   py::module_::import("pilotfish.core");
   py::module_::import("pilotfish.fuzzy");
   m.doc() = "From an observation to a twist: the fuzzy velocity law, the heading controller, the limits.";
 
-  py::enum_<Profile>(m, "Profile", "Which law drives.")
+  py::enum_<Law>(m, "Law", "Which law drives: the fuzzy one, or a peer it is compared with.")
+      .value("fuzzy", Law::fuzzy)
+      .value("pbvs", Law::pbvs)
+      .value("pid", Law::pid);
+  py::enum_<Profile>(m, "Profile", "How the fuzzy law drives.")
       .value("paper", Profile::paper)
       .value("anticipate", Profile::anticipate);
 
   bind_parameters<FuzzyVelocityConfig>(m, "FuzzyVelocityConfig", "Physical meaning of the normalised universes.");
   bind_parameters<HeadingControllerConfig>(m, "HeadingControllerConfig", "Proportional heading controller.");
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
+  bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
+  bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
+  bind_parameters<PbvsConfig>(m, "PbvsConfig", "ViSP's adaptive gain.");
+  bind_parameters<PidConfig>(m, "PidConfig", "Gains of two independent PID controllers.");
+  bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels do what they are told.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
       .def_readonly("linear_mps", &VelocityCommand::linear_mps)
@@ -25,28 +134,47 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("error_change_m", &VelocityCommand::error_change_m, "ec, per control period")
       .def_readonly("inference", &VelocityCommand::inference);
 
+  bind_estimator(m);
+  bind_anticipation(m);
+
   py::class_<FollowerConfig>(m, "FollowerConfig", "Everything a Follower needs.")
       .def(py::init([](const fuzzy::Controller& law, Profile profile, const FuzzyVelocityConfig& velocity,
-                       const HeadingControllerConfig& heading, const LimitsConfig& limits) {
-             return FollowerConfig{profile, law, velocity, heading, limits};
+                       const HeadingControllerConfig& heading, const LimitsConfig& limits,
+                       const AnticipateConfig& anticipate, const LeaderMotionConfig& leader_motion,
+                       const DriveModelConfig& drive, Law active_law, const PbvsConfig& pbvs, const PidConfig& pid) {
+             return FollowerConfig{profile,       law,   velocity,   heading, limits, anticipate,
+                                   leader_motion, drive, active_law, pbvs,    pid,    {}};
            }),
-           py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::paper, "Profile.paper"),
+           py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
            py::arg("velocity") = FuzzyVelocityConfig{}, py::arg("heading") = HeadingControllerConfig{},
-           py::arg("limits") = LimitsConfig{})
+           py::arg("limits") = LimitsConfig{}, py::arg("anticipate") = AnticipateConfig{},
+           py::arg("leader_motion") = LeaderMotionConfig{}, py::arg("drive") = DriveModelConfig{},
+           py::arg_v("active_law", Law::fuzzy, "Law.fuzzy"), py::arg("pbvs") = PbvsConfig{},
+           py::arg("pid") = PidConfig{})
       .def_readwrite("profile", &FollowerConfig::profile)
       .def_readwrite("law", &FollowerConfig::law)
       .def_readwrite("velocity", &FollowerConfig::velocity)
       .def_readwrite("heading", &FollowerConfig::heading)
-      .def_readwrite("limits", &FollowerConfig::limits);
+      .def_readwrite("limits", &FollowerConfig::limits)
+      .def_readwrite("anticipate", &FollowerConfig::anticipate)
+      .def_readwrite("leader_motion", &FollowerConfig::leader_motion)
+      .def_readwrite("drive", &FollowerConfig::drive)
+      .def_readwrite("active_law", &FollowerConfig::active_law)
+      .def_readwrite("pbvs", &FollowerConfig::pbvs)
+      .def_readwrite("pid", &FollowerConfig::pid)
+      .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")
       .def_readonly("command", &FollowerOutput::command)
-      .def_readonly("velocity", &FollowerOutput::velocity);
+      .def_readonly("velocity", &FollowerOutput::velocity)
+      .def_readonly("leader", &FollowerOutput::leader, "LeaderMotion as predicted, or None")
+      .def_readonly("trust", &FollowerOutput::trust, "share of the feed-forward in the command");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"))
       .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"))
-      .def("restart", &Follower::restart, "Forget the past: the robot stands still.");
+      .def("restart", &Follower::restart, py::arg("since_utime"),
+           "Forget the past: from then on the robot is told to stand still.");
 
   m.def("heading_turn_rate", &heading_turn_rate, py::arg("config"), py::arg("bearing_rad"),
         py::arg("bearing_setpoint_rad"), "Turn rate [rad/s], positive to the left.");

@@ -30,6 +30,13 @@ void bind_config(py::module_& m) {
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
+  m.def(
+      "load_tuning",
+      [](const std::filesystem::path& path, control::FollowerConfig config) {
+        config::load_tuning(path, config);
+        return config;
+      },
+      py::arg("path"), py::arg("control"), "The control configuration with what the file says instead.");
   m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
   m.def("load_leader_body", &config::load_leader_body, py::arg("path"));
   m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");
@@ -54,6 +61,14 @@ PYBIND11_MODULE(coordinator, m) {
   py::class_<Coordinator>(m, "Coordinator", "Frame in, StepResult out; all time is the frames' own.")
       .def(py::init<const CoordinatorConfig&>(), py::arg("config"))
       .def("step", &Coordinator::step, py::arg("frame"), py::call_guard<py::gil_scoped_release>())
+      .def(
+          "answer",
+          [](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
+             Reason reason) {
+            return coordinator.answer(utime, {observation, observation ? Reason::none : reason});
+          },
+          "step() without the eyes: what was seen in the frame of that time, or None and why.", py::arg("utime"),
+          py::arg("observation"), py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"))
       .def("without_frame", &Coordinator::without_frame, py::arg("utime"),
            py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
            "What holds at utime if no newer frame has come; changes nothing.")

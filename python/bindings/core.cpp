@@ -190,20 +190,24 @@ PYBIND11_MODULE(core, m) {
       .def_property_readonly(
           "covariance", [](const RelativeMeasurement& r) { return to_array(r.covariance); },
           "(3, 3) of (distance_m, bearing_rad, heading_rad)");
+  const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   py::class_<Observation>(m, "Observation", "The leader, measured in one frame.")
       .def(py::init([](std::int64_t utime, double distance_m, double bearing_rad, double heading_rad,
-                       std::vector<TagSighting> tags) {
+                       const DoubleArray& covariance, std::vector<TagSighting> tags) {
              Observation observation;
              observation.utime = utime;
              observation.distance_m = distance_m;
              observation.bearing_rad = bearing_rad;
              observation.heading_rad = heading_rad;
+             observation.covariance = to_matrix<3, 3>(covariance, "covariance");
+             observation.measured = {{distance_m, bearing_rad, heading_rad}, observation.covariance};
              if (tags.size() > kMaxTagsOnBody) throw py::value_error("an observation has at most 12 tags");
              for (TagSighting& tag : tags) observation.tags.push_back(std::move(tag));
              return observation;
            }),
            py::kw_only(), py::arg("utime"), py::arg("distance_m"), py::arg("bearing_rad") = 0.0,
-           py::arg("heading_rad") = 0.0, py::arg("tags") = std::vector<TagSighting>{})
+           py::arg("heading_rad") = 0.0, py::arg_v("covariance", to_array(zero), "numpy.zeros((3, 3))"),
+           py::arg("tags") = std::vector<TagSighting>{})
       .def_readonly("utime", &Observation::utime)
       .def_readonly("distance_m", &Observation::distance_m)
       .def_readonly("bearing_rad", &Observation::bearing_rad)

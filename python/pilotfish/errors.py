@@ -34,6 +34,12 @@ class ExecutableNotFoundError(PilotfishError, FileNotFoundError):
     exit_code = 69
 
 
+class MissingPackageError(PilotfishError, ImportError):
+    """A Python package that only this needs, and that is not installed; the message says how to get it."""
+
+    exit_code = 69
+
+
 class HarnessError(PilotfishError, RuntimeError):
     """A run that did not come about; the message has the command and the end of what the program said."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from rich.table import Table
 
@@ -13,7 +14,6 @@ from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import Metrics, evaluate
 from pilotfish.recording import Recording
 
-PROFILES = ("paper", "anticipate")
 TRANSPORTS = ("lcm", "in-process")
 
 
@@ -52,15 +52,16 @@ class Result:
 
 def run_experiment(
     experiment: Experiment,
-    profile: str = "paper",
+    profile: str = "anticipate",
     transport: str = "lcm",
     *,
+    tuning: Path | None = None,
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,
 ) -> Result:
     """Plays it over LCM with the real programs, or in this process (same law, same pictures, no bus)."""
     scenario = experiment.scenario()
-    run = _runner(transport)(scenario, profile=profile, duration_s=duration_s, on_progress=on_progress)
+    run = _runner(transport)(scenario, profile=profile, tuning=tuning, duration_s=duration_s, on_progress=on_progress)
     recording = run.recordings[scenario.robot().name]
     return Result(experiment, scenario, profile, run, recording, evaluate(recording))
 
@@ -90,7 +91,9 @@ def metrics_table(results: Sequence[Result]) -> Table:
 
 
 def _millimetres(value_m: float) -> str:
-    return f"{1000.0 * value_m:+.0f} mm"
+    """Tenths only where they matter."""
+    value_mm = 1000.0 * value_m
+    return f"{value_mm:+.0f} mm" if abs(value_mm) >= 10.0 else f"{value_mm:+.1f} mm"
 
 
 def _settling(result: Result) -> str:
@@ -104,10 +107,11 @@ _ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
     ("initial distance error", lambda r: _millimetres(r.metrics.initial_error_m)),
     ("final distance error", lambda r: _millimetres(r.metrics.final_error_m)),
     ("standing distance error", lambda r: _millimetres(r.metrics.standing_error_m)),
-    ("RMS distance error", lambda r: f"{1000.0 * r.metrics.rms_error_m:.0f} mm"),
+    ("RMS distance error", lambda r: _millimetres(r.metrics.rms_error_m).lstrip("+")),
     ("settling to standing ±50 mm", _settling),
     ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),
     ("mean bearing error", lambda r: f"{r.metrics.mean_bearing_error_deg:+.2f}°"),
     ("RMS bearing error", lambda r: f"{r.metrics.rms_bearing_error_deg:.2f}°"),
+    ("RMS jerk of the command", lambda r: f"{r.metrics.rms_jerk_mps3:.1f} m/s³"),
     ("frames detected", lambda r: f"{100.0 * r.metrics.frames_detected_ratio:.1f} %"),
 )  # fmt: skip

@@ -37,6 +37,7 @@ class Metrics:
     mean_bearing_error_deg: float
     rms_bearing_error_deg: float
     frames_detected_ratio: float
+    rms_jerk_mps3: float
 
     @property
     def settled(self) -> bool:
@@ -67,6 +68,7 @@ def evaluate(recording: Recording) -> Metrics:
         mean_bearing_error_deg=float(bearing_deg[steady].mean()),
         rms_bearing_error_deg=_rms(bearing_deg[steady]),
         frames_detected_ratio=frames_detected_ratio(recording),
+        rms_jerk_mps3=rms_jerk_mps3(recording),
     )
 
 
@@ -106,6 +108,12 @@ def frames_detected_ratio(recording: Recording) -> float:
     delivered."""
     delivered = recording.delivered
     return float((recording.status[delivered] == "tracking").mean()) if delivered.any() else 0.0
+
+
+def rms_jerk_mps3(recording: Recording) -> float:
+    """RMS over the whole run of the second difference of the commanded speed over the frame period squared [m/s3]."""
+    period_s = float(np.median(np.diff(recording.time_s))) if len(recording) > 2 else np.inf
+    return _rms(np.diff(recording.command_linear_mps, 2) / period_s**2) if len(recording) > 2 else 0.0
 
 
 def _rms(values: FloatArray) -> float:

@@ -43,10 +43,19 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   read_section(root, "velocity", config.velocity);
   read_section(root, "heading", config.heading);
   read_section(root, "limits", config.limits);
+  read_section(root, "anticipate", config.anticipate);
+  read_section(root, "leader_motion", config.leader_motion);
+  read_section(root, "drive", config.drive);
+  read_section(root, "pbvs", config.pbvs);
+  read_section(root, "pid", config.pid);
   root.finish();
 }
 
 }  // namespace
+
+void load_tuning(const std::filesystem::path& path, control::FollowerConfig& config) {
+  read_control(YamlSection::load(path), config);
+}
 
 CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   YamlSection root = YamlSection::load(path);
@@ -56,15 +65,17 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   file.name = root.text("name");
   check_name(root, file.name);
   if (root.optional("source")) file.source = root.text("source");
+  if (root.optional("law")) config.control.active_law = control::law_from(root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
   if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);
-  config.control.velocity.control_period_s = 1.0 / file.frame_rate_hz;
+  config.control.velocity.control_period_s = config.control.drive.latency_s = 1.0 / file.frame_rate_hz;
 
   read_camera(root.section("camera"), config);
   config.leader = load_leader_body(root.file_path("leader"));
   config.control.law = load_fuzzy_controller(root.file_path("fuzzy"));
   read_section(root, "setpoint", config.setpoint);
   if (root.optional("vision")) read_vision(root.section("vision"), config.vision);
+  if (root.optional("tuning")) load_tuning(root.file_path("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   read_section(root, "safety", config.safety);
   root.finish();

@@ -58,7 +58,9 @@ std::string describe_config() {
          "| `name` | required | the robot's name on the bus: letters, digits, underscores |\n"
          "| `source` | lcm | where frames come from: camera:N, video:FILE, images:DIR, lcm[:CHANNEL], log:FILE |\n"
          "| `frame_rate_hz` | 30 | frames per second expected of the source, 1 to 1000 |\n"
-         "| `profile` | paper | the law that drives |\n"
+         "| `law` | fuzzy | fuzzy, or a peer to compare it with: pbvs (ViSP's visual servo), pid |\n"
+         "| `profile` | anticipate | how the fuzzy law drives: paper (as published) or anticipate |\n"
+         "| `tuning` | none | file: keys of `control`, as `pilotfish tune` writes them; those in `control` win |\n"
          "| `camera.calibration` | required | file: OpenCV's calibration YAML or ViSP's camera XML |\n"
          "| `leader` | required | file: the tags the leader wears |\n"
          "| `fuzzy` | required | file: fuzzy sets and rules |\n";
@@ -71,6 +73,11 @@ std::string describe_config() {
   describe_section<control::FuzzyVelocityConfig>(out, "control.velocity");
   describe_section<control::HeadingControllerConfig>(out, "control.heading");
   describe_section<control::LimitsConfig>(out, "control.limits");
+  describe_section<control::AnticipateConfig>(out, "control.anticipate");
+  describe_section<control::LeaderMotionConfig>(out, "control.leader_motion");
+  describe_section<control::DriveModelConfig>(out, "control.drive");
+  describe_section<control::PbvsConfig>(out, "control.pbvs");
+  describe_section<control::PidConfig>(out, "control.pid");
   describe_section<SafetyConfig>(out, "safety");
   out << "\n# A leader's file\n\n"
          "`name`, `family` (tag36h11, ...) and a list `tags`; `id`, `size_m`, `position_m` and `facing_deg` of each "

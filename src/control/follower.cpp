@@ -1,8 +1,24 @@
 #include "pilotfish/control/follower.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace pilotfish::control {
+
+std::string_view to_string(Law law) noexcept {
+  switch (law) {
+    case Law::fuzzy: return "fuzzy";
+    case Law::pbvs: return "pbvs";
+    case Law::pid: return "pid";
+  }
+  return "unknown";
+}
+
+Law law_from(std::string_view name) {
+  for (Law law : {Law::fuzzy, Law::pbvs, Law::pid})
+    if (name == to_string(law)) return law;
+  throw ConfigError("law", "'" + std::string(name) + "' is not a law; choose fuzzy, pbvs or pid");
+}
 
 std::string_view to_string(Profile profile) noexcept {
   switch (profile) {
@@ -18,13 +34,21 @@ Profile profile_from(std::string_view name) {
   throw ConfigError("profile", "'" + std::string(name) + "' is not a profile; choose paper or anticipate");
 }
 
-Follower::Follower(FollowerConfig config) : config_(std::move(config)) {
+Follower::Follower(FollowerConfig config)
+    : config_(std::move(config)),
+      own_(config_.drive, config_.limits),
+      pbvs_(config_.pbvs),
+      pid_(config_.pid, config_.limits),
+      leader_(config_.leader_motion) {
   check_ranges(config_.velocity, "control.velocity");
   check_ranges(config_.heading, "control.heading");
   check_ranges(config_.limits, "control.limits");
+  check_ranges(config_.anticipate, "control.anticipate");
+  check_ranges(config_.leader_motion, "control.leader_motion");
+  check_ranges(config_.drive, "control.drive");
+  check_ranges(config_.pbvs, "control.pbvs");
+  check_ranges(config_.pid, "control.pid");
   fuzzy::prove(config_.law);
-  if (config_.profile == Profile::anticipate)
-    throw ConfigError("profile", "'anticipate' is not available in this version; use 'paper'");
 }
 
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
@@ -32,19 +56,69 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   const double dt_s =
       last_utime_ ? static_cast<double>(observation.utime - *last_utime_) * 1e-6 : config_.velocity.control_period_s;
   FollowerOutput output;
-  output.velocity =
-      fuzzy_velocity(config_.law, config_.velocity, setpoint.distance_m, observation.distance_m, last_error_m_, dt_s);
-  const Twist wanted{output.velocity.linear_mps,
-                     heading_turn_rate(config_.heading, observation.bearing_rad, setpoint.bearing_rad)};
-  output.command = limit(config_.limits, wanted, last_command_, dt_s);
+  output.command = limit(config_.limits, wanted(observation, setpoint, dt_s, output), last_command_, dt_s);
 
+  own_.command(output.command, acts_utime(observation.utime));
   last_utime_ = observation.utime;
-  last_error_m_ = output.velocity.error_m;
+  last_error_m_ = setpoint.distance_m - observation.distance_m;
   last_command_ = output.command;
   return output;
 }
 
-void Follower::restart() {
+Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output) {
+  const Twist published = as_published(observation, setpoint, dt_s, output);
+  switch (config_.active_law) {
+    case Law::pbvs: return pbvs_.follow(observation, setpoint);
+    case Law::pid: return pid_.follow(observation, setpoint, dt_s);
+    case Law::fuzzy: break;
+  }
+  return config_.profile == Profile::anticipate ? anticipated(observation, setpoint, published, output) : published;
+}
+
+Twist Follower::as_published(const Observation& observation, const Setpoint& setpoint, double dt_s,
+                             FollowerOutput& output) {
+  output.velocity =
+      fuzzy_velocity(config_.law, config_.velocity, setpoint.distance_m, observation.distance_m, last_error_m_, dt_s);
+  return {output.velocity.linear_mps,
+          heading_turn_rate(config_.heading, observation.bearing_rad, setpoint.bearing_rad)};
+}
+
+Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
+                            FollowerOutput& output) {
+  own_.advance_to(observation.utime);
+  if (!leader_.started()) own_.set_origin();
+  leader_.update(observation, own_.pose());
+  if (!leader_.started()) return published;
+
+  // A command has taken effect one latency after the exposure and one lag later; that is the moment to think of.
+  const double delay_s = config_.drive.latency_s + config_.drive.actuator_lag_s;
+  const std::int64_t effect_utime = observation.utime + static_cast<std::int64_t>(delay_s * 1e6);
+  OwnMotion then = own_;
+  then.advance_to(effect_utime);
+  const LeaderMotion leader = seen_from(then.pose(), leader_.at(effect_utime));
+  const double trusted = trust(config_.anticipate, leader);
+  const Anticipation anticipation =
+      anticipate(config_.law, config_.velocity, config_.anticipate, leader, then.twist(), setpoint);
+  output.velocity = anticipation.velocity;
+  output.leader = leader;
+  output.trust = trusted;
+
+  Twist wanted;
+  wanted.linear_mps = (1.0 - trusted) * published.linear_mps + trusted * anticipation.wanted.linear_mps;
+  wanted.angular_radps = (1.0 - trusted) * published.angular_radps + trusted * anticipation.wanted.angular_radps;
+  const Reaction reaction{config_.limits, delay_s};
+  wanted.linear_mps = std::min(wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader));
+  return keep_in_view(config_.anticipate, config_.view, reaction, leader, wanted);
+}
+
+std::int64_t Follower::acts_utime(std::int64_t utime) const {
+  return utime + static_cast<std::int64_t>(config_.drive.latency_s * 1e6);
+}
+
+void Follower::restart(std::int64_t since_utime) {
+  if (last_utime_) own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
+  leader_.reset();
+  pid_.restart();
   last_utime_.reset();
   last_error_m_.reset();
   last_command_ = Twist{};

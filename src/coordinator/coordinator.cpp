@@ -1,5 +1,7 @@
 #include "pilotfish/coordinator/coordinator.hpp"
 
+#include <cmath>
+
 namespace pilotfish {
 namespace {
 
@@ -17,6 +19,23 @@ bool is_invalid_input(Reason reason) {
   }
 }
 
+/// Bearings of the left and the right edge of the picture, at half its height. The camera's place on the robot does not
+/// matter at the distances at which a leader is followed.
+control::FieldOfView field_of_view(const CameraModel& camera, const CameraMounting& mounting) {
+  const auto bearing = [&](double u) {
+    const Eigen::Vector2d xy = normalize_pixel(camera, {u, (camera.height - 1) / 2.0});
+    const Eigen::Vector3d ray = base_from_camera(mounting).linear() * Eigen::Vector3d(xy.x(), xy.y(), 1.0);
+    return std::atan2(ray.y(), ray.x());
+  };
+  return {bearing(camera.width - 0.5), bearing(-0.5)};
+}
+
+control::FollowerConfig with_view(const CoordinatorConfig& config) {
+  control::FollowerConfig control = config.control;
+  control.view = field_of_view(config.camera, config.mounting);
+  return control;
+}
+
 }  // namespace
 
 const std::vector<Parameter<SafetyConfig>>& SafetyConfig::parameters() {
@@ -28,7 +47,7 @@ const std::vector<Parameter<SafetyConfig>>& SafetyConfig::parameters() {
 
 Coordinator::Coordinator(const CoordinatorConfig& config)
     : observer_(config.camera, config.mounting, config.leader, config.vision),
-      follower_(config.control),
+      follower_(with_view(config)),
       setpoint_(config.setpoint) {
   check_ranges(config.safety, "safety");
   check_ranges(config.setpoint, "setpoint");
@@ -36,31 +55,41 @@ Coordinator::Coordinator(const CoordinatorConfig& config)
 }
 
 StepResult Coordinator::step(const Frame& frame) noexcept {
+  if (!is_newer(frame.utime)) return not_measured(*last_frame_utime_, Reason::frame_time_not_advancing);
+  return answer_latest(frame.utime, observer_.observe(frame));
+}
+
+StepResult Coordinator::answer(std::int64_t utime, const vision::Sight& sight) noexcept {
+  if (!is_newer(utime)) return not_measured(*last_frame_utime_, Reason::frame_time_not_advancing);
+  return answer_latest(utime, sight);
+}
+
+bool Coordinator::is_newer(std::int64_t utime) noexcept {
   // A frame from the past, or one seen before, says nothing about now; it must not rewind the clock of the age limit.
-  if (last_frame_utime_ && frame.utime <= *last_frame_utime_)
-    return not_measured(*last_frame_utime_, Reason::frame_time_not_advancing);
-  last_frame_utime_ = frame.utime;
-
+  if (last_frame_utime_ && utime <= *last_frame_utime_) return false;
+  last_frame_utime_ = utime;
   // Between the last measurement and this frame the wheels were told to stand still: the law starts from rest.
-  if (!fresh_at(frame.utime)) rest();
+  if (!fresh_at(utime)) rest(last_measured_utime_.value_or(utime) + max_age_us_);
+  return true;
+}
 
-  const vision::Sight sight = observer_.observe(frame);
+StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& sight) noexcept {
   if (!setpoint_.run) {
-    rest();
-    StepResult result{frame.utime, Status::stopped, Reason::told_to_stop, sight.observation, std::nullopt, Twist{}};
+    rest(utime);
+    StepResult result{utime, Status::stopped, Reason::told_to_stop, sight.observation, std::nullopt, Twist{}};
     return result;
   }
-  if (!sight.observation) return not_measured(frame.utime, sight.reason);
+  if (!sight.observation) return not_measured(utime, sight.reason);
 
   const control::FollowerOutput control = follower_.follow(*sight.observation, setpoint_);
   if (!is_finite(control.command)) {
-    rest();
-    return not_measured(frame.utime, Reason::law_not_finite);
+    rest(utime);
+    return not_measured(utime, Reason::law_not_finite);
   }
   ever_measured_ = true;
-  last_measured_utime_ = frame.utime;
+  last_measured_utime_ = utime;
   last_command_ = control.command;
-  return {frame.utime, Status::tracking, Reason::none, sight.observation, control, control.command};
+  return {utime, Status::tracking, Reason::none, sight.observation, control, control.command};
 }
 
 StepResult Coordinator::without_frame(std::int64_t utime, Reason reason) const noexcept {
@@ -94,10 +123,10 @@ bool Coordinator::fresh_at(std::int64_t utime) const noexcept {
   return age_us >= 0 && age_us <= max_age_us_;  // a measurement from the future is not to be trusted either
 }
 
-void Coordinator::rest() noexcept {
+void Coordinator::rest(std::int64_t since_utime) noexcept {
   last_measured_utime_.reset();
   last_command_ = Twist{};
-  follower_.restart();
+  follower_.restart(since_utime);
 }
 
 bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
@@ -107,7 +136,7 @@ bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
     return false;
   }
   setpoint_ = setpoint;
-  if (!setpoint.run) rest();
+  if (!setpoint.run) rest(last_frame_utime_.value_or(0));
   return true;
 }
 

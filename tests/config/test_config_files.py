@@ -50,7 +50,7 @@ BROKEN = [
     (r"^frame_rate_hz: 30", "frame_rate_hz: 0", r"frame_rate_hz: 0 is outside \[1, 1000\]"),
     (r"^frame_rate_hz: 30", "frame_rate_hz: fast", r"frame_rate_hz: 'fast' is not a number"),
     (r"^frame_rate_hz: 30", "frame_rate_hz: .nan", r"frame_rate_hz: nan is outside"),
-    (r"^profile: paper", "profile: best", r"profile: 'best' is not a profile; choose paper or anticipate"),
+    (r"^profile: anticipate", "profile: best", r"profile: 'best' is not a profile; choose paper or anticipate"),
     (r"  distance_m: 1\.10", "  distance_m: -1", r"setpoint\.distance_m: -1 is outside \[0\.05, 20\]"),
     (
         r"  distance_m: 1\.10",

@@ -198,7 +198,7 @@ def test_without_json_it_says_what_it_uses_and_one_line_per_change(tmp_path):
     save_pictures(leader_pictures(12, hidden_from=4), tmp_path / "run")
     done = run("--config", LINE_CONFIG, "--source", f"images:{tmp_path / 'run'}", "--lcm-url", "memq://")
     assert done.returncode == 0
-    for used in ("profile paper", "1.10 m at -10.0 deg", "640 x 480", "tag36h11", "56 rules"):
+    for used in ("law fuzzy", "profile anticipate", "1.10 m at -10.0 deg", "640 x 480", "tag36h11", "56 rules"):
         assert used in done.stdout, used
     after_ready = done.stdout.split("ready:")[1]
     changes = re.findall(r"info (tracking|coasting|lost|stopped)", after_ready)
@@ -211,7 +211,7 @@ def test_without_json_it_says_what_it_uses_and_one_line_per_change(tmp_path):
         ("distance_m: 1.10", "distance_m: -1", "setpoint.distance_m"),
         ("distance_m: 1.10", "distnace_m: 1", "setpoint.distnace_m"),
         ("gain_per_s: 2.0", "gain_per_s: much", "control.heading.gain_per_s"),
-        ("profile: paper", "profile: anticipate", "profile"),
+        ("profile: anticipate", "profile: clairvoyant", "profile"),
         ("source: lcm", "source: telescope", "source"),
         ("leader: ../leaders/three_faces.yaml", "leader: none.yaml", "none.yaml"),
         ("name: robot1", "nmae: robot1", "name"),

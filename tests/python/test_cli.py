@@ -22,11 +22,11 @@ def run(*arguments):
 
 def test_without_a_command_the_help_is_shown():
     _, said = run()
-    for command in ("experiment", "render", "plot", "learn-body", "demo"):
+    for command in ("experiment", "render", "plot", "learn-body", "tune", "demo"):
         assert f" {command} " in said
 
 
-@pytest.mark.parametrize("command", ["experiment", "render", "plot", "learn-body", "demo"])
+@pytest.mark.parametrize("command", ["experiment", "render", "plot", "learn-body", "tune", "demo"])
 def test_every_help_has_an_example_to_copy(command):
     result, said = run(command, "--help")
     assert result.exit_code == 0
@@ -128,20 +128,34 @@ def test_an_experiment_prints_its_table_and_leaves_its_files(tmp_path):
     result, said = run("experiment", "circle", "--in-process", "--duration-s", "1", "--out", tmp_path)
     assert result.exit_code == 0, said
     assert "standing distance error" in said
-    names = {"circle_paper.csv", "circle_paper_distance_error.png", "circle_paper_paths.png"}
-    assert {file.name for file in tmp_path.iterdir()} == names
+    each = ("circle_{}.csv", "circle_{}_distance_error.png", "circle_{}_paths.png")
+    names = {name.format(profile) for profile in ("paper", "anticipate") for name in each}
+    assert {file.name for file in tmp_path.iterdir()} == names | {"comparison.png"}
+
+
+@pytest.mark.parametrize("law", ["pbvs", "pid"])
+def test_an_experiment_can_be_driven_by_a_peer(tmp_path, law):
+    result, said = run("experiment", "line", "--law", law, "--in-process", "--duration-s", "1", "--out", tmp_path)
+    assert result.exit_code == 0, said
+    assert {file.suffix for file in tmp_path.iterdir()} == {".csv", ".png"}
+    assert (tmp_path / f"line_{law}.csv").is_file()
 
 
 def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
     result, said = run("demo", "--duration-s", "1", "--out", tmp_path)
     assert result.exit_code == 0, said
-    each = ("{}_paper.csv", "{}_paper_distance_error.png", "{}_paper_paths.png", "{}_paper_camera.gif")
-    expected = {name.format(which) for which in ("line", "circle") for name in each}
+    each = ("{}_{}.csv", "{}_{}_distance_error.png", "{}_{}_paths.png")
+    runs = [(which, profile) for which in ("line", "circle") for profile in ("paper", "anticipate")]
+    expected = {name.format(*names) for names in runs for name in each}
     assert {file.name for file in tmp_path.iterdir()} == expected | {
+        "line_anticipate_camera.gif",
+        "circle_anticipate_camera.gif",
         "overview.png",
+        "comparison.png",
         "fuzzy_sets.png",
         "control_surface.png",
         "metrics.json",
     }
     figures = json.loads((tmp_path / "metrics.json").read_text())
+    assert set(figures) == {"line_paper", "line_anticipate", "circle_paper", "circle_anticipate"}
     assert figures["line_paper"]["initial_distance_m"] == pytest.approx(2.44, abs=1e-3)

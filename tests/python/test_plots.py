@@ -9,6 +9,7 @@ from synthetic_run import exponential_run
 from pilotfish import data, fuzzy
 from pilotfish.camera_view import CameraView
 from pilotfish.plots.camera_gif import MAX_BYTES, WIDTH_PX, draw_camera_gif, draw_view
+from pilotfish.plots.comparison import draw_comparison
 from pilotfish.plots.distance_error import draw_distance_error
 from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
 from pilotfish.plots.overview import Summary, draw_overview
@@ -92,11 +93,23 @@ def test_a_gif_of_nothing_is_refused(tmp_path):
         draw_camera_gif([], tmp_path / "camera.gif")
 
 
-def test_the_overview_has_a_row_a_run(tmp_path):
-    summaries = [Summary(name, exponential_run(), view(3.0)) for name in ("A line", "A circle")]
+def test_a_comparison_has_a_column_an_experiment_and_a_line_a_law(tmp_path):
+    runs = {"paper": exponential_run(), "anticipate": exponential_run(seconds=10.0), "mine": exponential_run()}
+    figure = draw_comparison({"A line": runs, "A circle": runs})
+    assert len(figure.axes) == 6
+    assert {"A line", "A circle", "distance error e [m]", "bearing error [°]", "time [s]"} <= labels(figure)
+    for axes in figure.axes:
+        assert {line.get_label() for line in axes.lines} >= {"paper", "anticipate", "mine"}
+        assert len({line.get_color() for line in axes.lines}) == 4  # three laws and zero
+    assert colours_of(save(figure, tmp_path / "comparison.png")) > 20
+
+
+def test_the_overview_has_a_row_an_experiment(tmp_path):
+    runs = {"paper": exponential_run(), "anticipate": exponential_run()}
+    summaries = [Summary(name, runs, view(3.0)) for name in ("A line", "A circle")]
     figure = draw_overview(summaries)
     assert len(figure.axes) == 6
-    assert {"A line", "A circle", "From above", "What the camera of robot1 saw", "x [m]"} <= labels(figure)
+    assert {"A line", "A circle", "From above (anticipate)", "What the camera of robot1 saw", "x [m]"} <= labels(figure)
     assert colours_of(save(figure, tmp_path / "overview.png")) > 20
 
 

@@ -108,11 +108,26 @@ def test_a_robot_that_follows_a_follower_has_a_coordinator_of_its_own():
     assert [done for done, _ in steps] == sorted(done for done, _ in steps)
 
 
-def test_a_coordinator_that_does_not_come_up_is_quoted(line):
+def test_a_coordinator_that_does_not_come_up_is_quoted(line, tmp_path):
+    nonsense = tmp_path / "nonsense.yaml"
+    nonsense.write_text("pid: {distance_kq: 1.0}\n")
     with pytest.raises(HarnessError) as caught:
-        run_over_lcm(line, profile="nonsense", duration_s=0.1)
-    assert "robot1: ended with 64 before being ready" in str(caught.value)
-    assert "nonsense" in str(caught.value)
+        run_over_lcm(line, profile="pid", tuning=nonsense, duration_s=0.1)
+    assert "robot1: ended with 78 before being ready" in str(caught.value)
+    assert "distance_kq" in str(caught.value)
+
+
+def test_who_cannot_drive_is_refused_with_those_who_can(line):
+    with pytest.raises(ConfigError, match="choose paper, anticipate, pbvs, pid"):
+        run_in_process(line, profile="nonsense", duration_s=0.1)
+
+
+@pytest.mark.parametrize("law", ["anticipate", "pbvs", "pid"])
+def test_every_law_drives_alike_over_lcm_and_in_process(line, law):
+    inside = run_in_process(line, profile=law, duration_s=SECONDS).recordings["robot1"]
+    outside = run_over_lcm(line, profile=law, duration_s=SECONDS).recordings["robot1"]
+    assert np.array_equal(inside.command_linear_mps, outside.command_linear_mps)
+    assert np.array_equal(inside.command_angular_radps, outside.command_angular_radps)
 
 
 def test_the_replay_shows_what_the_camera_saw(line, in_process):
@@ -135,7 +150,7 @@ def test_a_replay_of_another_run_is_refused(line, in_process):
 @pytest.fixture(scope="module")
 def sequence(line, tmp_path_factory):
     folder = tmp_path_factory.mktemp("sequence")
-    assert render_sequence(line, folder, frames=6) == 6
+    assert render_sequence(line, folder, frames=6, profile="paper") == 6
     return folder
 
 
@@ -152,7 +167,7 @@ def test_a_rendered_sequence_is_pictures_and_the_truth(sequence):
 
 def test_the_program_says_the_same_about_pictures_on_disk(sequence, line, in_process):
     # PNG keeps every pixel and frames.csv every time, so the law too gives the same, number by number.
-    reports = look_at_images(sequence, line.robot().coordinator_file)
+    reports = look_at_images(sequence, line.robot().coordinator_file, profile="paper")
     assert len(reports) == 6
     for report, direct in zip(reports, in_process.reports["robot1"], strict=False):
         assert report.utime == direct.utime

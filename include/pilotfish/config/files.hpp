@@ -20,6 +20,10 @@ LeaderBody load_leader_body(const std::filesystem::path& file);
 /// fuzzy_text.hpp). Proved before it is returned. Throws ConfigError naming the variable, term, cell or line.
 fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
 
+/// The keys of the coordinator's section `control` as a file of their own, as `pilotfish tune` writes it; what it does
+/// not name stays. Throws ConfigError.
+void load_tuning(const std::filesystem::path& file, control::FollowerConfig& config);
+
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
 struct CoordinatorFile {
   std::string name = "robot1";  ///< the robot's name on the bus

@@ -4,15 +4,30 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/control/anticipating_law.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/heading_controller.hpp"
+#include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
+#include "pilotfish/control/own_motion.hpp"
+#include "pilotfish/control/pbvs_law.hpp"
+#include "pilotfish/control/pid_law.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
 namespace pilotfish::control {
 
-/// Which law drives.
+/// Which law drives: the fuzzy one, or one of the peers it is compared with.
+enum class Law {
+  fuzzy,  ///< the paper's, as its profile says
+  pbvs,   ///< ViSP's position-based visual servo
+  pid,    ///< PID on distance and bearing
+};
+std::string_view to_string(Law law) noexcept;
+/// Throws ConfigError listing the laws.
+Law law_from(std::string_view name);
+
+/// How the fuzzy law drives.
 enum class Profile {
   paper,       ///< the law as published
   anticipate,  ///< the same law around a feed-forward of the leader's motion, estimated by vision alone
@@ -22,20 +37,36 @@ std::string_view to_string(Profile profile) noexcept;
 Profile profile_from(std::string_view name);
 
 struct FollowerConfig {
-  Profile profile = Profile::paper;
+  Profile profile = Profile::anticipate;
   fuzzy::Controller law;  ///< must have passed fuzzy::prove
   FuzzyVelocityConfig velocity;
   HeadingControllerConfig heading;
   LimitsConfig limits;
+  AnticipateConfig anticipate;
+  LeaderMotionConfig leader_motion;
+  DriveModelConfig drive;
+  Law active_law = Law::fuzzy;
+  PbvsConfig pbvs;
+  PidConfig pid;
+  FieldOfView view;  ///< of the camera, for the guard of `anticipate`
 };
 
 struct FollowerOutput {
-  Twist command;             ///< within the limits
-  VelocityCommand velocity;  ///< what the fuzzy law said on the way
+  Twist command;  ///< within the limits
+  /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. A peer does not
+  /// listen.
+  VelocityCommand velocity;
+  /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
+  std::optional<LeaderMotion> leader;
+  double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
 };
 
-/// The way into this room: Observation in, Twist out. Remembers the last error and the last command, nothing else;
-/// time comes from the observations.
+/// The way into this room: Observation in, Twist out. Time comes from the observations.
+///
+///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
+///   anticipate  own commands --> OwnMotion --+
+///               observation -----------------+--> LeaderMotionEstimator --> prediction --> anticipate()
+///                                                 --> blended with the paper's command by trust --> guards --> limits
 class Follower {
  public:
   /// Throws ConfigError if any parameter is out of range.
@@ -43,11 +74,25 @@ class Follower {
 
   FollowerOutput follow(const Observation& observation, const Setpoint& setpoint);
 
-  /// Forget the past: the robot stands still (or was told to). The next follow() starts with ec = 0 from rest.
-  void restart();
+  /// Forget the past: from since_utime on the robot is told to stand still. The next follow() starts with ec = 0 from
+  /// rest; dead reckoning goes on, because the wheels still have to come to rest.
+  void restart(std::int64_t since_utime);
 
  private:
+  /// What the active law wants, not yet limited.
+  Twist wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
+  /// The paper's law.
+  Twist as_published(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
+  /// What `anticipate` makes of it.
+  Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
+                    FollowerOutput& output);
+  std::int64_t acts_utime(std::int64_t utime) const;
+
   FollowerConfig config_;
+  OwnMotion own_;
+  PbvsLaw pbvs_;
+  PidLaw pid_;
+  LeaderMotionEstimator leader_;
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;
   Twist last_command_;

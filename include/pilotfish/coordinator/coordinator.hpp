@@ -55,6 +55,10 @@ class Coordinator {
 
   StepResult step(const Frame& frame) noexcept;
 
+  /// step() without the eyes: `sight` is what the observer made of the frame exposed at `utime`. For simulations that
+  /// draw measurements instead of pictures; everything behind the observer is the same.
+  StepResult answer(std::int64_t utime, const vision::Sight& sight) noexcept;
+
   /// What holds at `utime` (on the frames' clock) if no newer frame has come: the last command for as long as it is
   /// fresh, then zeros. Changes nothing, so a watchdog may ask as often as it likes without disturbing determinism.
   /// `reason` says what was missing: no frame at all, or only one that was too old on arrival.
@@ -67,8 +71,10 @@ class Coordinator {
 
  private:
   bool fresh_at(std::int64_t utime) const noexcept;
+  StepResult answer_latest(std::int64_t utime, const vision::Sight& sight) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
-  void rest() noexcept;  ///< the wheels stand still now: forget the motion so far
+  bool is_newer(std::int64_t utime) noexcept;    ///< if so, it is the latest; rests if nothing is fresh any more
+  void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: forget the motion so far
 
   std::int64_t max_age_us_ = 0;
   vision::LeaderObserver observer_;

@@ -3,17 +3,10 @@
 #include <vector>
 
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/planar_motion.hpp"
 #include "pilotfish/core/twist.hpp"
 
 namespace pilotfish::sim {
-
-/// A pose on the ground, in the world frame.
-struct Pose2 {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double heading_rad = 0.0;  ///< about the vertical, 0 along the world's x axis; in (-pi, pi]
-  static const std::vector<Parameter<Pose2>>& parameters();
-};
 
 /// Where a robot is and how fast it really moves.
 struct UnicycleState {
@@ -31,14 +24,6 @@ struct DriveConfig {
   double command_timeout_s = 0.2;  ///< a command that is not renewed for so long is taken as zero; 0: never
   static const std::vector<Parameter<DriveConfig>>& parameters();
 };
-
-/// The pose after moving with a constant twist for dt_s: exactly, along the arc.
-///
-///   x += v dt sinc(w dt / 2) cos(heading + w dt / 2),  y likewise with sin,  heading += w dt
-///
-/// since the chord of an arc of length v dt and angle w dt has length v dt sinc(w dt / 2), sinc(a) = sin(a) /
-/// a, and the direction half way. No case distinction between straight and turning is needed.
-Pose2 move_along_arc(const Pose2& pose, const Twist& twist, double dt_s);
 
 /// A differential-drive robot behind its wheel driver. A command is clamped to the top speeds; the driver's
 /// set value r ramps towards it with the greatest acceleration; the wheels follow r with a first-order lag

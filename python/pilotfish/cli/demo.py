@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress
-from pilotfish.cli.options import DurationOption, Profile, ProfileOption
+from pilotfish.cli.options import DurationOption, Law, Profiles, ProfilesOption, drivers_of
 
 if TYPE_CHECKING:
     from pilotfish.camera_view import CameraView
@@ -21,16 +21,16 @@ GIF_FRAMES = 60
 
 def demo(
     out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for everything.")] = Path("out"),
-    profile: ProfileOption = Profile.paper,
+    profile: ProfilesOption = Profiles.both,
     duration_s: DurationOption = None,
 ) -> None:
-    """Run both experiments with the real programs over LCM in lock-step; table and pictures in OUT.
+    """Run both experiments with both profiles and the real programs over LCM in lock-step; table and pictures in OUT.
 
     \b
     Example
       pilotfish demo --out out
     """
-    from pilotfish.cli.pictures import save_result
+    from pilotfish.cli.pictures import by_experiment, save_comparison, save_result
     from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
     from pilotfish.plots.camera_gif import draw_camera_gif
     from pilotfish.plots.overview import Summary, draw_overview
@@ -39,17 +39,21 @@ def demo(
     with friendly_errors():
         results, written = [], []
         for experiment in EXPERIMENTS.values():
-            with progress(f"{experiment.title}, over LCM") as step:
-                result = run_experiment(experiment, profile.value, duration_s=duration_s, on_progress=step)
-            results.append(result)
+            for driver in drivers_of(profile, Law.fuzzy):
+                with progress(f"{experiment.title}, {driver}, over LCM") as step:
+                    result = run_experiment(experiment, driver, duration_s=duration_s, on_progress=step)
+                results.append(result)
+                written += save_result(result, out)
         summaries = []
-        for result in results:
-            views = _camera_views(result)
-            gif = out / f"{result.experiment.name}_{result.profile}_camera.gif"
-            written += [*save_result(result, out), draw_camera_gif(views, gif, result.experiment.title)]
-            title = f"{result.experiment.title} ({result.experiment.figure}, {result.profile} profile)"
-            summaries.append(Summary(title, result.recording, views[len(views) // 3]))
+        for title, by_name in by_experiment(results).items():
+            shown = list(by_name.values())[-1]
+            views = _camera_views(shown)
+            gif = out / f"{shown.experiment.name}_{shown.profile}_camera.gif"
+            written.append(draw_camera_gif(views, gif, shown.experiment.title))
+            runs = {name: result.recording for name, result in by_name.items()}
+            summaries.append(Summary(title, runs, views[len(views) // 3]))
         written.append(save(draw_overview(summaries), out / "overview.png"))
+        written += save_comparison(results, out)
         written += _save_law(results[0], out)
         written.append(_save_metrics(results, out))
         console.print(metrics_table(results))

@@ -7,12 +7,25 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress
-from pilotfish.cli.options import DurationOption, InProcessOption, OutOption, Profile, ProfileOption, Which
+from pilotfish.cli.options import (
+    DurationOption,
+    InProcessOption,
+    Law,
+    LawOption,
+    OutOption,
+    Profiles,
+    ProfilesOption,
+    TuningOption,
+    Which,
+    drivers_of,
+)
 
 
 def experiment(
     which: Annotated[Which, typer.Argument(help="Leader on a line (Fig. 6), on a circle (Fig. 7), or both.")],
-    profile: ProfileOption = Profile.paper,
+    profile: ProfilesOption = Profiles.both,
+    law: LawOption = Law.fuzzy,
+    tuning: TuningOption = None,
     in_process: InProcessOption = False,
     duration_s: DurationOption = None,
     out: OutOption = None,
@@ -26,8 +39,9 @@ def experiment(
       pilotfish experiment line                    the table for Fig. 6
       pilotfish experiment both --out out          with recordings and pictures
       pilotfish experiment circle --in-process     without programs and bus
+      pilotfish experiment line --law pid          with a peer of the fuzzy law
     """
-    from pilotfish.cli.pictures import save_result
+    from pilotfish.cli.pictures import save_comparison, save_result
     from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
 
     names = list(EXPERIMENTS) if which is Which.both else [which.value]
@@ -35,12 +49,12 @@ def experiment(
     with friendly_errors():
         results = []
         for name in names:
-            with progress(EXPERIMENTS[name].title) as step:
-                results.append(
-                    run_experiment(EXPERIMENTS[name], profile.value, transport, duration_s=duration_s, on_progress=step)
-                )
+            for driver in drivers_of(profile, law):
+                with progress(f"{EXPERIMENTS[name].title}, {driver}") as step:
+                    how = {"tuning": tuning, "duration_s": duration_s, "on_progress": step}
+                    results.append(run_experiment(EXPERIMENTS[name], driver, transport, **how))
         console.print(metrics_table(results))
         if out:
-            for result in results:
-                for file in save_result(result, out):
-                    console.print(f"wrote {file}", soft_wrap=True)
+            written = [file for result in results for file in save_result(result, out)]
+            for file in [*written, *save_comparison(results, out)]:
+                console.print(f"wrote {file}", soft_wrap=True)

@@ -20,9 +20,34 @@ class Profile(str, Enum):
     anticipate = "anticipate"
 
 
+class Profiles(str, Enum):
+    paper = "paper"
+    anticipate = "anticipate"
+    both = "both"
+
+
+class Law(str, Enum):
+    fuzzy = "fuzzy"
+    pbvs = "pbvs"
+    pid = "pid"
+
+
 ProfileOption = Annotated[
     Profile,
     typer.Option(help="The law that drives: as published, or around a feed-forward of the leader's motion."),
+]
+ProfilesOption = Annotated[
+    Profiles,
+    typer.Option(
+        help="The law that drives: as published, around a feed-forward of the leader's motion, or one by one."
+    ),
+]
+LawOption = Annotated[
+    Law, typer.Option(help="Drive with a peer instead: ViSP's visual servo or a PID, tuned as well as the fuzzy law.")
+]
+TuningOption = Annotated[
+    Path | None,
+    typer.Option(exists=True, dir_okay=False, help="Parameters of the law, as `pilotfish tune` writes them."),
 ]
 InProcessOption = Annotated[
     bool, typer.Option("--in-process", help="Without programs and LCM: the same code, called directly.")
@@ -35,3 +60,10 @@ OutOption = Annotated[
     Path | None,
     typer.Option("--out", file_okay=False, help="Folder for recordings (CSV) and pictures (PNG)."),
 ]
+
+
+def drivers_of(profiles: Profiles, law: Law) -> list[str]:
+    """Who drives, one after the other."""
+    if law is not Law.fuzzy:
+        return [law.value]
+    return ["paper", "anticipate"] if profiles is Profiles.both else [profiles.value]

@@ -16,7 +16,7 @@ def render(
     out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for the pictures and frames.csv.")],
     frames: Annotated[int | None, typer.Option(min=1, help="How many; default: the whole scenario.")] = None,
     robot: Annotated[str | None, typer.Option(help="Whose camera; default: the first follower's.")] = None,
-    profile: ProfileOption = Profile.paper,
+    profile: ProfileOption = Profile.anticipate,
 ) -> None:
     """Render what a robot's camera sees while its coordinator drives it: PNGs and frames.csv with the true
     poses.

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from pilotfish import coordinator, sim
-from pilotfish.control import Profile
 from pilotfish.core import Frame, Twist
+from pilotfish.harness.drawn_sight import DrawnSight
+from pilotfish.harness.driving import Driving
 from pilotfish.harness.frame_report import FrameReport
 from pilotfish.harness.run import OnProgress, Run, measured
 from pilotfish.harness.scenario import FollowingRobot, Scenario
@@ -27,26 +29,37 @@ class FrameEvent:
     robot: str
     index: int
     time_s: float
-    frame: Frame | None  # None: dropped by the camera
+    frame: Frame | None  # None: dropped by the camera, or nothing was rendered
     result: coordinator.StepResult | None  # the answer to the last frame that was not dropped; None before the first
     world: sim.World
 
 
 OnFrame = Callable[[FrameEvent], None]
+Configure = Callable[[coordinator.CoordinatorConfig], None]
 
 
 def run_in_process(
     scenario: Scenario,
     *,
     profile: str,
+    tuning: Path | None = None,
+    spec: sim.Scenario | None = None,
+    configure: Configure | None = None,
+    drawn: DrawnSight | None = None,
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,
     on_frame: OnFrame | None = None,
 ) -> Run:
     """Plays the scenario: at each exposure every robot looks, steps, and is told the command after its
-    latency."""
-    world = sim.World(sim.load_scenario(scenario.file))
-    drivers = {robot.name: _coordinator(robot, profile) for robot in scenario.robots}
+    latency.
+
+    ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
+    seed, other imperfections. ``configure`` has the last word on each coordinator's configuration. With ``drawn``
+    nothing is rendered: measurements are drawn.
+    """
+    world = sim.World(spec if spec is not None else sim.load_scenario(scenario.file))
+    driving = Driving(profile, tuning)
+    drivers = {robot.name: _coordinator(robot, driving, configure) for robot in scenario.robots}
     answers: dict[str, coordinator.StepResult | None] = dict.fromkeys(drivers)
     rows: dict[str, list[dict[str, Any]]] = {name: [] for name in drivers}
     reports: dict[str, list[FrameReport]] = {name: [] for name in drivers}
@@ -55,14 +68,17 @@ def run_in_process(
         time_s = index / scenario.frame_rate_hz
         world.advance_to(time_s)
         for robot in scenario.robots:
-            frame = world.capture(robot.name)
-            if frame is not None:  # else nobody answers, and the wheels go on with what they were told last
-                result = drivers[robot.name].step(frame)
-                world.command(robot.name, result.command, time_s + robot.latency_s)
+            frame = None if drawn else world.capture(robot.name)
+            delivered = drawn is not None or frame is not None
+            if delivered:  # else nobody answers, and the wheels go on with what they were told last
+                driver = drivers[robot.name]
+                result = driver.step(frame) if frame is not None else drawn.answer(world, robot.name, driver)
+                latency_s = world.scenario.robot(robot.name).camera.latency_s
+                world.command(robot.name, result.command, time_s + latency_s)
                 answers[robot.name] = result
                 reports[robot.name].append(FrameReport.from_step(result))
             answer = answers[robot.name]
-            rows[robot.name].append(_row(world, robot, frame is not None, answer))
+            rows[robot.name].append(_row(world, robot, delivered, answer))
             if on_frame:
                 on_frame(FrameEvent(robot.name, index, time_s, frame, answer, world))
         if on_progress:
@@ -75,10 +91,12 @@ def run_in_process(
     return Run(recordings, reports)
 
 
-def _coordinator(robot: FollowingRobot, profile: str) -> coordinator.Coordinator:
+def _coordinator(robot: FollowingRobot, driving: Driving, configure: Configure | None) -> coordinator.Coordinator:
     config = coordinator.load_coordinator(robot.coordinator_file).coordinator
-    config.control.profile = getattr(Profile, profile)
+    driving.apply(config)
     config.setpoint = robot.setpoint
+    if configure:
+        configure(config)
     return coordinator.Coordinator(config)
 
 

@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from pilotfish.harness.child import Child
+from pilotfish.harness.driving import Driving
 from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
 from pilotfish.harness.frame_report import parse_reports
 from pilotfish.harness.ports import private_lcm_url
@@ -30,12 +31,14 @@ def run_over_lcm(
     scenario: Scenario,
     *,
     profile: str,
+    tuning: Path | None = None,
     duration_s: float | None = None,
     lcm_url: str | None = None,
     on_progress: OnProgress | None = None,
 ) -> Run:
     """Plays the scenario on a bus of its own. Raises HarnessError with what the failing program said."""
     url = lcm_url or private_lcm_url()
+    driving = Driving(profile, tuning)
     seconds = duration_s or scenario.duration_s
     frames = scenario.frame_count(seconds)
     sim_program, coordinator_program = find_executable(SIM), find_executable(COORDINATOR)
@@ -44,7 +47,7 @@ def run_over_lcm(
         coordinators: dict[str, Child] = {}
         for robot in scenario.robots:
             command = [coordinator_program, "--config", robot.coordinator_file, "--name", robot.name]
-            command += ["--source", "lcm", "--lcm-url", url, "--profile", profile, "--json"]
+            command += ["--source", "lcm", "--lcm-url", url, *driving.options(), "--json"]
             coordinators[robot.name] = children.enter_context(Child(command, folder, robot.name))
         for child in coordinators.values():
             child.wait_until(lambda child=child: _is_ready(child), READY_WITHIN_S, "being ready")

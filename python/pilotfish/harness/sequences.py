@@ -34,7 +34,7 @@ def render_sequence(
     *,
     frames: int | None = None,
     robot: str | None = None,
-    profile: str = "paper",
+    profile: str = "anticipate",
     on_progress: OnProgress | None = None,
 ) -> int:
     """Writes what ``robot``'s camera sees while its coordinator drives it; the number of pictures written."""

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "pilotfish/control/fuzzy_velocity_law.hpp"
+#include "pilotfish/control/leader_motion_estimator.hpp"
+#include "pilotfish/control/limits.hpp"
+#include "pilotfish/core/setpoint.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::control {
+
+/// The paper's law around a feed-forward of the leader's motion. It acts on a predicted error, without the delay of the
+/// camera and the wheels, and can therefore be steeper than the law as published: hence scales of its own.
+struct AnticipateConfig {
+  double error_scale_m = 0.28;
+  double error_change_scale_m = 0.1;
+  double velocity_scale_mps = 0.6;
+  double heading_gain_per_s = 6.0;
+  double trusted_sigma_mps = 0.1;   ///< standard deviation of the leader's velocity at which it counts half
+  double minimum_distance_m = 0.4;  ///< d_min: never so fast that it could not stop before
+  double safety_sigmas = 3.0;       ///< k: the distance counts as shorter by so many standard deviations
+  double guard_time_s = 0.5;        ///< in which the leader would leave the picture; see keep_in_view
+  static const std::vector<Parameter<AnticipateConfig>>& parameters();
+};
+
+/// Bearings at which the leader is in the picture; from the camera and its mounting.
+struct FieldOfView {
+  double right_rad = -3.14159265358979323846;
+  double left_rad = 3.14159265358979323846;
+};
+
+/// What the drive can do about it: limits, and how long it takes until it begins.
+struct Reaction {
+  LimitsConfig limits;
+  double delay_s = 0.0;  ///< latency and lag together
+};
+
+/// How far the leader's estimated velocity is believed: 1 / (1 + (sigma / trusted)^2), in (0, 1].
+double trust(const AnticipateConfig& config, const LeaderMotion& leader) noexcept;
+
+/// The wanted twist for the leader as predicted for the moment at which the command has taken effect; `own` is the
+/// twist of the robot at that moment if nothing changed. Not yet limited.
+struct Anticipation {
+  Twist wanted;
+  VelocityCommand velocity;  ///< the fuzzy law on the predicted error
+};
+Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocityConfig& paper,
+                        const AnticipateConfig& config, const LeaderMotion& leader, const Twist& own,
+                        const Setpoint& setpoint);
+
+/// Fastest speed from which the robot can still stop d_min away from a leader that stops dead now. Never negative.
+double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept;
+
+/// The nearest twist to `wanted` with which the leader, as predicted, approaches the edge of the picture no faster
+/// than it would need to reach it in guard_time_s.
+Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const Reaction& reaction,
+                   const LeaderMotion& leader, const Twist& wanted) noexcept;
+
+}  // namespace pilotfish::control

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/planar_motion.hpp"
+
+namespace pilotfish::control {
+
+/// How leaders move. Each of the three is a random walk of the velocity and of the turn rate: in a time t they change
+/// by about sigma * sqrt(t).
+struct LeaderMotionConfig {
+  double calm_velocity_sigma = 0.0008;  ///< [m/s per sqrt(s)]
+  double calm_turn_sigma = 0.05;        ///< [rad/s per sqrt(s)]
+  double steering_velocity_sigma = 0.05;
+  double steering_turn_sigma = 1.0;
+  double jolt_velocity_sigma = 1.5;  ///< stops dead, or starts, within one frame
+  double jolt_turn_sigma = 3.0;
+  double change_rate_per_s = 0.2;      ///< how often a leader passes from one way of moving to another
+  double own_position_sigma = 0.0002;  ///< error of the own dead reckoning [m per sqrt(s)]
+  double gate_sigma = 6.0;             ///< a measurement farther than this from all three is an outlier
+  int max_outliers = 3;                ///< so many in a row are no outliers: the estimate begins anew
+  static const std::vector<Parameter<LeaderMotionConfig>>& parameters();
+};
+
+using LeaderVector = Eigen::Matrix<double, 6, 1>;
+using LeaderMatrix = Eigen::Matrix<double, 6, 6>;
+
+/// Where the leader is and how it moves, in the odometry frame of OwnMotion: (x, y, vx, vy, heading, turn rate). The
+/// velocity is a vector of its own, not speed times heading: so a tag that is glued on crooked by a degree, or a leader
+/// that drives backwards, is nothing special. The heading counts on beyond pi.
+struct LeaderEstimate {
+  LeaderVector mean = LeaderVector::Zero();
+  LeaderMatrix covariance = LeaderMatrix::Zero();
+};
+
+/// The estimate after dt_s on a coordinated turn with random walks of velocity and turn rate.
+LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_sigma, double turn_sigma,
+                              double position_sigma, double dt_s) noexcept;
+
+/// Follows the leader's motion by vision alone: three extended Kalman filters that differ in how much they believe the
+/// leader capable of, joined by the interacting multiple model method (Blom and Bar-Shalom, IEEE Trans. Automatic
+/// Control 33(8), 1988). A calm one alone would be slow to see a leader stop, a quick one alone would pass the camera's
+/// noise on to the wheels. No allocation, nothing throws.
+class LeaderMotionEstimator {
+ public:
+  enum class Outcome {
+    started,
+    updated,
+    position_only,  ///< its heading was an outlier: a flat tag can be seen in two poses
+    outlier,
+    restarted,
+    unusable
+  };
+
+  explicit LeaderMotionEstimator(const LeaderMotionConfig& config) : config_(config) {}
+
+  /// One measurement, taken when the coordinator was at `own` (in its odometry frame), with its own covariance. A
+  /// covariance or a number that is not finite is `unusable` and changes nothing.
+  Outcome update(const Observation& observation, const Pose2& own) noexcept;
+  void reset() noexcept { started_ = false; }
+
+  bool started() const { return started_; }
+  std::int64_t utime() const { return utime_; }  ///< of the last update
+  /// At `utime`, not before the last update. Only if started().
+  LeaderEstimate at(std::int64_t utime) const noexcept;
+  /// Probabilities of calm, steering, jolt.
+  const std::array<double, 3>& probabilities() const { return probability_; }
+
+ private:
+  struct Measurement {
+    Eigen::Vector3d mean;
+    Eigen::Matrix3d covariance;
+  };
+  void start(const Measurement& measured, std::int64_t utime) noexcept;
+  void mix(double dt_s) noexcept;
+  double correct(const Measurement& z, double dt_s) noexcept;
+  LeaderEstimate predicted(int mode, double dt_s) const noexcept;
+
+  LeaderMotionConfig config_;
+  std::array<LeaderEstimate, 3> modes_;
+  std::array<double, 3> probability_{};
+  std::int64_t utime_ = 0;
+  bool started_ = false;
+  int outliers_ = 0;
+};
+
+/// The leader as seen from a pose of the coordinator: what the law works on.
+struct LeaderMotion {
+  double distance_m = 0.0, bearing_rad = 0.0, heading_rad = 0.0;
+  double radial_mps = 0.0;      ///< the leader's own velocity along the line of sight, away from the coordinator
+  double tangential_mps = 0.0;  ///< and across it, to the left
+  double turn_rate_radps = 0.0;
+  double distance_sigma_m = 0.0, radial_sigma_mps = 0.0, tangential_sigma_mps = 0.0;
+};
+LeaderMotion seen_from(const Pose2& own, const LeaderEstimate& leader) noexcept;
+
+}  // namespace pilotfish::control

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/setpoint.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::control {
+
+/// ViSP's adaptive gain, lambda(x) = (zero - infinity) exp(-slope x / (zero - infinity)) + infinity, of the norm x of
+/// the error. The defaults are those of ViSP's tutorial.
+struct PbvsConfig {
+  double gain_at_zero = 2.5;      ///< [1/s]
+  double gain_at_infinity = 0.4;  ///< [1/s]
+  double slope_at_zero = 30.0;    ///< [1/(m s)]
+  static const std::vector<Parameter<PbvsConfig>>& parameters();
+};
+
+/// A peer of the fuzzy law: ViSP's position-based visual servo of a unicycle on the coordinates X and Z of a 3D point,
+/// as in ViSP's tutorial for a mobile robot with an AprilTag (mbot-apriltag-pbvs). The point is the leader's base
+/// origin, seen by a camera in the coordinator's own origin, so that it works on the same numbers as the other laws.
+class PbvsLaw {
+ public:
+  explicit PbvsLaw(const PbvsConfig& config);
+  ~PbvsLaw();
+  PbvsLaw(PbvsLaw&&) noexcept;
+
+  /// The wanted twist, not yet limited. Not finite if ViSP throws, which the coordinator answers by standing still.
+  Twist follow(const Observation& observation, const Setpoint& setpoint) noexcept;
+
+ private:
+  struct Task;
+  std::unique_ptr<Task> task_;
+};
+
+}  // namespace pilotfish::control

@@ -1,0 +1,62 @@
+"""Eyes without pictures: measurements drawn from a distribution, for runs that are to be a hundred times faster
+than rendering them. Everything behind the observer is the real thing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pilotfish import coordinator, core, sim
+
+
+@dataclass(frozen=True)
+class SightNoise:
+    """White Gaussian noise of a measurement, as measured on rendered pictures of 640 x 480 at 0.7 to 2.4 m."""
+
+    distance_sigma_per_m: float = 0.25e-3  # sigma of d = this times d^2: the tag shrinks as 1/d
+    bearing_sigma_rad: float = 1.0e-4
+    heading_sigma_rad_per_m: float = 0.7e-3  # sigma of psi = this times d
+
+    def covariance(self, distance_m: float) -> np.ndarray:
+        """(3, 3), of (distance_m, bearing_rad, heading_rad)."""
+        return np.diag(
+            [
+                (self.distance_sigma_per_m * distance_m**2) ** 2,
+                self.bearing_sigma_rad**2,
+                (self.heading_sigma_rad_per_m * distance_m) ** 2,
+            ]
+        )
+
+
+@dataclass
+class DrawnSight:
+    """What a coordinator measures of the leader, drawn around the truth. Nothing outside the camera's view or
+    while the leader is hidden."""
+
+    seed: int
+    noise: SightNoise = field(default_factory=SightNoise)
+    scale: float = 1.0  # of the noise; what is claimed stays
+    half_view_rad: float = np.radians(26.0)  # the camera's, less half a tag
+
+    def __post_init__(self) -> None:
+        self._random = np.random.default_rng(self.seed)
+
+    def look(self, world: sim.World, robot: str) -> core.Observation | None:
+        distance_m, bearing_rad, heading_rad = world.true_relative_pose(robot)
+        covariance = self.noise.covariance(distance_m)
+        errors = self.scale * self._random.standard_normal(3) * np.sqrt(np.diag(covariance))
+        leader = world.scenario.robot(world.scenario.robot(robot).follows)
+        hidden = leader.visibility.hidden_from_s <= world.time_s < leader.visibility.hidden_until_s
+        if hidden or abs(bearing_rad) > self.half_view_rad:
+            return None
+        return core.Observation(
+            utime=world.utime,
+            distance_m=distance_m + errors[0],
+            bearing_rad=bearing_rad + errors[1],
+            heading_rad=heading_rad + errors[2],
+            covariance=covariance,
+        )
+
+    def answer(self, world: sim.World, robot: str, driver: coordinator.Coordinator) -> coordinator.StepResult:
+        return driver.answer(world.utime, self.look(world, robot))

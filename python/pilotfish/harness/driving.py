@@ -1,0 +1,46 @@
+"""Which law drives the coordinators of a run, and with which parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pilotfish import control, coordinator, data
+from pilotfish.errors import ConfigError
+
+PROFILES = ("paper", "anticipate")
+PEERS = ("pbvs", "pid")
+
+
+@dataclass(frozen=True)
+class Driving:
+    """By name: a profile of the fuzzy law (``paper``, ``anticipate``) or a peer (``pbvs``, ``pid``)."""
+
+    name: str = "anticipate"
+    tuning: Path | None = None  # parameters of the law, as ``pilotfish tune`` writes them; a peer has shipped ones
+
+    def __post_init__(self) -> None:
+        if self.name not in PROFILES + PEERS:
+            raise ConfigError(f"'{self.name}' does not drive; choose {', '.join(PROFILES + PEERS)}")
+
+    @property
+    def tuning_file(self) -> Path | None:
+        """What is read: the given one, or for a peer the shipped one."""
+        return self.tuning or (data.path(f"tuned/{self.name}.yaml") if self.name in PEERS else None)
+
+    @property
+    def law(self) -> str:
+        return "fuzzy" if self.name in PROFILES else self.name
+
+    def options(self) -> list[str | Path]:
+        """For the command line of pilotfish-coordinator."""
+        profile = ["--profile", self.name] if self.name in PROFILES else []
+        return ["--law", self.law, *profile, *(["--tuning", self.tuning_file] if self.tuning_file else [])]
+
+    def apply(self, config: coordinator.CoordinatorConfig) -> None:
+        """The same for a configuration in this process."""
+        if self.tuning_file:
+            config.control = coordinator.load_tuning(self.tuning_file, config.control)
+        config.control.active_law = getattr(control.Law, self.law)
+        if self.name in PROFILES:
+            config.control.profile = getattr(control.Profile, self.name)

@@ -1,0 +1,119 @@
+#include "pilotfish/control/anticipating_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotfish/core/angles.hpp"
+
+namespace pilotfish::control {
+namespace {
+
+// Beside the robot no speed of its own changes the distance: there the law must not divide by zero.
+constexpr double kMinCosine = 0.3;
+constexpr double kMinDistance_m = 0.05;
+
+/// Rate of the bearing if the robot does not turn, from the leader's and from its own speed.
+double bearing_rate(const LeaderMotion& leader, double own_linear_mps) {
+  return (leader.tangential_mps + own_linear_mps * std::sin(leader.bearing_rad)) /
+         std::max(leader.distance_m, kMinDistance_m);
+}
+
+}  // namespace
+
+const std::vector<Parameter<AnticipateConfig>>& AnticipateConfig::parameters() {
+  using C = AnticipateConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"error_scale_m", &C::error_scale_m, 0.01, 20.0, "predicted distance error that is 1 on the universe of e"},
+      {"error_change_scale_m", &C::error_change_scale_m, 1e-4, 5.0,
+       "predicted change of the error per control period that is 1 on the universe of ec"},
+      {"velocity_scale_mps", &C::velocity_scale_mps, 0.01, 5.0,
+       "speed relative to the leader commanded at 1 on the universe of u"},
+      {"heading_gain_per_s", &C::heading_gain_per_s, 0.0, 20.0, "turn rate per radian of predicted bearing error"},
+      {"trusted_sigma_mps", &C::trusted_sigma_mps, 1e-3, 10.0,
+       "standard deviation of the leader's velocity at which it counts half"},
+      {"minimum_distance_m", &C::minimum_distance_m, 0.0, 20.0,
+       "d_min: never so fast that the robot could not stop before, should the leader stop dead"},
+      {"safety_sigmas", &C::safety_sigmas, 0.0, 10.0,
+       "the distance counts as shorter by so many standard deviations when that is judged"},
+      {"guard_time_s", &C::guard_time_s, 0.05, 5.0, "the leader may not approach the picture's edge faster than this"},
+  };
+  return table;
+}
+
+double trust(const AnticipateConfig& config, const LeaderMotion& leader) noexcept {
+  const double sigma = std::max(leader.radial_sigma_mps, leader.tangential_sigma_mps) / config.trusted_sigma_mps;
+  return 1.0 / (1.0 + sigma * sigma);
+}
+
+/// The leader at distance d and bearing theta drives with the radial speed v_r = v_l cos(psi - theta) and the
+/// tangential speed v_t = v_l sin(psi - theta). The robot's own (v, w) has the parts v cos(theta) and -v sin(theta)
+/// along and across the line of sight, and turning by w turns the line of sight by -w, hence
+///
+///   d'     = v_r - v cos(theta)
+///   theta' = (v_t + v sin(theta)) / d - w.
+///
+/// With u the fuzzy law's speed (positive when too far), d' = -u and theta' = -gain (theta - theta_pd) follow from
+///
+///   v = (v_r + u) / cos(theta)
+///   w = gain (theta - theta_pd) + (v_t + v sin(theta)) / d.
+///
+/// So e -> 0 whatever the leader's speed: u(0, 0) = 0 is the only equilibrium, and theta stays where it is wanted.
+Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocityConfig& paper,
+                        const AnticipateConfig& config, const LeaderMotion& leader, const Twist& own,
+                        const Setpoint& setpoint) {
+  FuzzyVelocityConfig scales = paper;
+  scales.error_scale_m = config.error_scale_m;
+  scales.error_change_scale_m = config.error_change_scale_m;
+  scales.velocity_scale_mps = config.velocity_scale_mps;
+  // ec is the predicted error's rate times T: e' = -d' = v cos(theta) - v_r.
+  const double cosine = std::cos(leader.bearing_rad);
+  const double error_rate_mps = own.linear_mps * cosine - leader.radial_mps;
+  const double error_m = setpoint.distance_m - leader.distance_m;
+  const double period_s = scales.control_period_s;
+
+  Anticipation result;
+  result.velocity = fuzzy_velocity(controller, scales, setpoint.distance_m, leader.distance_m,
+                                   error_m - error_rate_mps * period_s, period_s);
+  result.wanted.linear_mps = (leader.radial_mps + result.velocity.linear_mps) / std::max(cosine, kMinCosine);
+  result.wanted.angular_radps = config.heading_gain_per_s * wrap_angle(leader.bearing_rad - setpoint.bearing_rad) +
+                                bearing_rate(leader, own.linear_mps);
+  return result;
+}
+
+/// From speed v the robot goes on for v * delay and then brakes with a: v delay + v^2 / 2a <= room, so
+///
+///   v = -a delay + sqrt((a delay)^2 + 2 a room).
+double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept {
+  const double a = reaction.limits.max_linear_acceleration_mps2, coasting = a * reaction.delay_s;
+  const double room_m = leader.distance_m - config.safety_sigmas * leader.distance_sigma_m - config.minimum_distance_m;
+  return room_m > 0.0 ? std::sqrt(coasting * coasting + 2.0 * a * room_m) - coasting : 0.0;
+}
+
+/// At each edge of the view the bearing may change only as fast as (edge - theta) / guard time: so an edge is
+/// approached exponentially and never crossed. theta' = b - w with b the rate without turning, so w is bounded on both
+/// sides:
+///
+///   b - (left - theta) / T <= w <= b - (right - theta) / T.
+///
+/// Where that takes more turn rate than the robot has, its own share v sin(theta) / d of b is bounded instead.
+Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const Reaction& reaction,
+                   const LeaderMotion& leader, const Twist& wanted) noexcept {
+  const double most = reaction.limits.max_angular_radps, sine = std::sin(leader.bearing_rad);
+  const double d = std::max(leader.distance_m, kMinDistance_m);
+  const double to_left = (view.left_rad - leader.bearing_rad) / config.guard_time_s;
+  const double to_right = (view.right_rad - leader.bearing_rad) / config.guard_time_s;
+  Twist kept = wanted;
+  // Speeds at which the bound on w is just the greatest turn rate: v sin(theta) / d in [to_right - most, to_left +
+  // most] minus the leader's share. Only forward speed is given up, and only down to standing still.
+  const double share = leader.tangential_mps / d;
+  if (kept.linear_mps > 0.0 && std::abs(sine) > 1e-6) {
+    const double edge = sine > 0.0 ? to_left + most : to_right - most;
+    kept.linear_mps = std::clamp((edge - share) * d / sine, 0.0, kept.linear_mps);
+  }
+  const double b = bearing_rate(leader, kept.linear_mps);
+  const double least = std::clamp(b - to_left, -most, most), greatest = std::clamp(b - to_right, -most, most);
+  if (least <= greatest) kept.angular_radps = std::clamp(kept.angular_radps, least, greatest);
+  return kept;
+}
+
+}  // namespace pilotfish::control

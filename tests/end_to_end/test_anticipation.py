@@ -1,0 +1,110 @@
+"""Profile `anticipate` in closed loop. Most runs draw their measurements (a second each instead of a minute), with the
+noise that rendered pictures were measured to have; one run renders."""
+
+import numpy as np
+import pytest
+
+from pilotfish import data as shipped
+from pilotfish import sim
+from pilotfish.experiments import CIRCLE, LINE, run_experiment
+from pilotfish.harness.drawn_sight import DrawnSight
+from pilotfish.harness.in_process import run_in_process
+from pilotfish.harness.scenario import Scenario
+from pilotfish.metrics import evaluate
+
+# v (latency + lag) + v^2 / 2a for 0.2 m/s, one frame, 0.1 s and 1 m/s2: what no law can help.
+PHYSICAL_LIMIT_M = 0.2 * (1 / 30 + 0.1) + 0.2**2 / 2
+
+
+def played(which, profile="anticipate", seed=1, duration_s=None, spec=None, configure=None):
+    scenario = Scenario.load(shipped.path(f"scenarios/{which}.yaml"))
+    drawn = DrawnSight(seed)
+    run = run_in_process(scenario, profile=profile, spec=spec, configure=configure, drawn=drawn, duration_s=duration_s)
+    return run.recordings["robot1"]
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+@pytest.mark.parametrize(("which", "bearing_deg"), [("line", 0.1), ("circle", 0.2)])
+def test_behind_a_steady_leader_it_stands_within_two_millimetres_and_settles_in_four_seconds(which, bearing_deg, seed):
+    figures = evaluate(played(which, seed=seed))
+    assert abs(figures.standing_error_m) < 0.002
+    assert figures.rms_error_m < 0.005
+    assert figures.rms_bearing_error_deg < bearing_deg
+    assert figures.settling_time_s < 4.0
+    assert figures.overshoot_m < 0.020
+
+
+@pytest.mark.parametrize("experiment", [LINE, CIRCLE], ids=["line", "circle"])
+def test_on_rendered_pictures_the_error_and_the_command_s_jerk_are_below_the_published_law_s(experiment):
+    """Six seconds that begin at the paper's distance: anticipation ends at zero where the law as published still stands
+    a tenth of a metre off, and treats the wheels no worse."""
+    published, anticipated = (
+        run_experiment(experiment, profile, "in-process", duration_s=8.0) for profile in ("paper", "anticipate")
+    )
+    assert abs(published.metrics.standing_error_m) > 0.05
+    assert abs(anticipated.metrics.standing_error_m) < 0.005
+    assert anticipated.metrics.overshoot_m < 0.020
+    assert anticipated.metrics.rms_jerk_mps3 < published.metrics.rms_jerk_mps3
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_when_the_leader_stops_dead_it_comes_no_closer_than_physics_and_a_tenth_and_returns_without_overshooting(seed):
+    run = played("stop_dead", seed=seed)
+    error_m = run.distance_error_m[run.time_s >= 10.0]
+    assert error_m.max() < 1.1 * PHYSICAL_LIMIT_M
+    assert error_m[np.argmax(error_m) :].min() > -0.020
+    assert abs(error_m[-1]) < 0.002
+
+
+@pytest.mark.parametrize("which", ["start", "reverse", "figure_eight", "square"])
+def test_whatever_the_leader_does_it_never_leaves_the_picture(which):
+    run = played(which)
+    assert np.all(run.status == "tracking")
+    assert np.abs(run.distance_error_m[run.time_s >= 3.0]).max() < 0.05
+
+
+def test_while_the_leader_is_hidden_it_stands_still_after_100_ms_and_then_catches_up_within_three_seconds():
+    run = played("occlusion")
+    hidden = (run.time_s > 15.1) & (run.time_s < 15.99)
+    assert hidden.sum() > 20
+    assert np.all(run.command_linear_mps[hidden] == 0.0) and np.all(run.command_angular_radps[hidden] == 0.0)
+    assert np.all(run.status[run.time_s > 16.01] == "tracking")
+    assert np.abs(run.distance_error_m[run.time_s > 19.0]).max() < 0.05
+
+
+def wrong_drive_model(config):
+    config.control.drive.actuator_lag_s = 0.15  # the robot's is 0.1 s
+    config.control.drive.latency_s = 0.0
+
+
+@pytest.mark.parametrize("which", ["line", "circle"])
+def test_a_wrong_model_of_the_own_drive_leaves_no_standing_error(which):
+    """In the steady state commands do not change, so neither latency nor lag counts; on the way it
+    costs some overshoot."""
+    figures = evaluate(played(which, configure=wrong_drive_model))
+    assert abs(figures.standing_error_m) < 0.002
+    assert figures.overshoot_m < 0.05
+
+
+def slow_wheels(which):
+    """A robot whose wheels do 0.35 m/s at most."""
+    spec = sim.load_scenario(shipped.path(f"scenarios/{which}.yaml"))
+    robots = spec.robots
+    drive = robots[1].drive
+    drive.max_linear_mps = 0.35
+    robots[1].drive = drive
+    spec.robots = robots
+    return spec
+
+
+def test_wheels_that_cannot_do_what_they_are_told_only_cost_time():
+    """Told 0.6 m/s they reach 0.35 m/s: dead reckoning is wrong all the way, and right again at the leader's speed."""
+    figures = evaluate(played("line", spec=slow_wheels("line")))
+    assert abs(figures.standing_error_m) < 0.002
+
+
+def test_the_same_seed_gives_the_same_run_bit_for_bit():
+    first, second = played("circle", duration_s=5.0), played("circle", duration_s=5.0)
+    assert np.array_equal(first.command_linear_mps, second.command_linear_mps)
+    assert np.array_equal(first.true_distance_m, second.true_distance_m)
+    assert not np.array_equal(first.true_distance_m, played("circle", duration_s=5.0, seed=2).true_distance_m)

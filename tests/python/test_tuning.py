@@ -1,0 +1,69 @@
+"""The search for a law's parameters: seeded, fair, and its result is a file that the coordinator reads."""
+
+import sys
+
+import numpy as np
+import pytest
+from synthetic_run import synthetic_run
+from typer.testing import CliRunner
+
+from pilotfish import coordinator, tuning
+from pilotfish import data as shipped
+from pilotfish.cli import app
+from pilotfish.harness.driving import PEERS, PROFILES
+
+
+def config():
+    return coordinator.load_coordinator(shipped.path("config/line.yaml")).coordinator
+
+
+def test_the_cost_is_the_sum_of_its_units():
+    """A steady run 20 mm too far and 1 degree off: 20/10 + 1/0.5 = 4; nothing jerks, overshoots or is blind."""
+    time_s = np.arange(300) / 30.0
+    run = synthetic_run(time_s, np.full(300, -0.020), np.full(300, np.radians(1.0)))
+    assert tuning.cost(run, 2.0) == pytest.approx(4.0)
+
+
+def test_what_happens_before_the_start_is_over_is_no_error_but_overshoot_counts_all_along():
+    time_s = np.arange(300) / 30.0
+    error_m = np.where(time_s < 2.0, 0.040, 0.0)
+    assert tuning.cost(synthetic_run(time_s, error_m), 2.0) == pytest.approx(0.040 / 0.020)
+
+
+@pytest.mark.parametrize("name", PROFILES + PEERS)
+def test_every_searched_parameter_is_one_of_the_coordinator_s_and_starts_inside_its_range(name):
+    found = tuning.current_parameters(name)
+    assert set(found) == set(tuning.SEARCH[name])
+    for key, value in found.items():
+        assert tuning.SEARCH[name][key].low <= value <= tuning.SEARCH[name][key].high, key
+
+
+def test_a_search_repeats_with_its_seed_improves_on_the_start_and_is_read_back(tmp_path, monkeypatch):
+    pytest.importorskip("optuna")
+    monkeypatch.setattr(tuning, "PLAYED", {"line": (4.0, 2.0)})
+    first, second = (tuning.tune("pbvs", trials=6, seed=3) for _ in range(2))
+    assert first == second
+    assert first.cost <= first.cost_before
+    control = coordinator.load_tuning(first.write(tmp_path / "pbvs.yaml"), config().control)
+    for key, value in first.parameters.items():
+        assert getattr(control.pbvs, key.split(".")[1]) == pytest.approx(value, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", PEERS)
+def test_the_shipped_tunings_are_read_and_were_all_searched_alike(name):
+    file = shipped.path(f"tuned/{name}.yaml")
+    coordinator.load_tuning(file, config().control)
+    assert file.read_text().startswith(f"# Made by: pilotfish tune {name} --trials 250 --seed 1\n")
+
+
+def test_a_tuning_of_something_else_is_refused_by_its_key(tmp_path):
+    (tmp_path / "odd.yaml").write_text("pid: {distance_kp: 1.0}\nwings: {span_m: 2.0}\n")
+    with pytest.raises(ValueError, match="wings"):
+        coordinator.load_tuning(tmp_path / "odd.yaml", config().control)
+
+
+def test_without_the_search_s_package_it_ends_with_69_and_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "optuna", None)  # as if it were not installed
+    result = CliRunner().invoke(app, ["tune", "pid", "--trials", "1"])
+    assert result.exit_code == 69
+    assert "pip install" in result.output
