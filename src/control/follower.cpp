@@ -1,6 +1,7 @@
 #include "pilotfish/control/follower.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace pilotfish::control {
@@ -77,8 +78,8 @@ Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint,
 
 Twist Follower::as_published(const Observation& observation, const Setpoint& setpoint, double dt_s,
                              FollowerOutput& output) {
-  output.velocity =
-      fuzzy_velocity(config_.law, config_.velocity, setpoint.distance_m, observation.distance_m, last_error_m_, dt_s);
+  output.velocity = fuzzy_velocity(config_.law, config_.velocity, setpoint.distance_m, observation.distance_m,
+                                   last_error_m_, dt_s, std::sqrt(std::max(observation.covariance(0, 0), 0.0)));
   return {output.velocity.linear_mps,
           heading_turn_rate(config_.heading, observation.bearing_rad, setpoint.bearing_rad)};
 }
