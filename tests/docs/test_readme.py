@@ -63,6 +63,11 @@ CHECKS = {
     "lcm-logger run.log": "log",
     "lcm-logplayer run.log": "log",
     "pilotfish-coordinator --config data/config/line.yaml --source log:run.log --json": "log",
+    "pilotfish learn-body turn.mp4 --camera camera.yaml --tag-size 0.16 --height-of 0=0.25 --output my_robot.yaml": (
+        "your own film"  # run on rendered films in tests/body_learning
+    ),
+    "pilotfish fuzzy show data/fuzzy/coordination.yaml": "law",
+    "pilotfish fuzzy explain data/fuzzy/coordination.yaml --e -0.2 --ec 0.1": "law",
     "pilotfish experiment line --out out": "experiment",
     "pilotfish render data/scenarios/circle.yaml --out out/pictures --frames 30": "render",
     "pilotfish-coordinator --config data/config/circle.yaml --source images:out/pictures --lcm-url memq:// --json": (
@@ -92,6 +97,13 @@ def test_pictures_are_rendered_and_followed(desk):
     done = desk(follow)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count('"status":"tracking"') == 30
+
+
+def test_the_law_is_shown_and_explained(desk):
+    for command in commands_checked_as("law"):
+        done = desk(command)
+        assert done.returncode == 0, done.stderr
+        assert "NZ" in done.stdout
 
 
 def test_an_experiment_ends_with_a_table_and_pictures(desk, tmp_path):
