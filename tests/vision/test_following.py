@@ -12,10 +12,13 @@ from rendered_leaders import (
     observer,
     render,
     squared_in_sigmas,
+    true_corners,
 )
 from scipy import stats
 
 from pilotfish.core import BodyTag, FoundBy, LeaderBody, Reason
+
+FRAMES = 60
 
 
 def path(k, distance=1.1):
@@ -28,17 +31,13 @@ def picture(pose, seed, body=BODY, **imperfections):
     return render([(body, leader_at(*pose))], seed, **imperfections)
 
 
-def in_the_middle(observation):
-    return observation.tags[0].corners_px.mean(axis=0)
-
-
 @pytest.fixture(scope="module")
 def drives():
-    """{distance: [(truth, tracked observation, acquired observation)]} of 90 frames, as fast as a robot moves."""
+    """{distance: [(truth, tracked observation, acquired observation)]} of FRAMES frames, as fast as a robot moves."""
     seen = {}
     for distance in (0.75, 1.5, 2.44):
         follower, forgetful, seen[distance] = observer(), observer(), []
-        for k in range(90):
+        for k in range(FRAMES):
             truth = path(k, distance)
             image = picture(truth, k)
             forgetful.forget()
@@ -51,7 +50,7 @@ def drives():
 @pytest.mark.parametrize("distance", [0.75, 1.5, 2.44])
 def test_a_leader_is_found_in_the_frame_and_then_followed(drives, distance):
     followed = [tracked.found_by for _, tracked, _ in drives[distance]]
-    assert followed == [FoundBy.frame] + [FoundBy.track] * 89
+    assert followed == [FoundBy.frame] + [FoundBy.track] * (FRAMES - 1)
     assert all(acquired.found_by == FoundBy.frame for _, _, acquired in drives[distance])
 
 
@@ -65,13 +64,13 @@ def test_what_is_tracked_is_what_is_acquired(drives, distance):
         difference = error_of(tracked.measured, error_of(acquired.measured, np.zeros(3)))
         if abs(difference[2]) < np.radians(10):
             squared.append(squared_in_sigmas(difference, tracked.measured.covariance))
-    assert len(squared) >= 85
+    assert len(squared) >= 0.9 * FRAMES
     assert max(squared) < stats.chi2.ppf(0.999, 3)
 
 
 @pytest.mark.parametrize("distance", [0.75, 1.5, 2.44])
 def test_each_frames_measurement_is_as_wrong_as_it_says(drives, distance):
-    # e^T C^-1 e of `measured` is chi-squared with 3 degrees of freedom; the sum over 90 frames with 270, if the frames'
+    # e^T C^-1 e of `measured` is chi-squared with 3 degrees of freedom; the sum over n frames with 3 n, if the frames'
     # noise is independent, and it is. Two-sided, 99.9 %; less surely from below, because corner_sigma_px allows for a
     # printer and a calibration that are perfect here: 0.005 px beside some 0.011 px, (0.005 / 0.011)^2 = 20 %.
     squared = [
@@ -108,7 +107,9 @@ def test_a_jump_is_caught_up_with_in_the_same_frame():
     sight = eye.observe(frame(picture((1.1, 0.18, 0.2), 3), 3))
     assert sight.observation.found_by in (FoundBy.region, FoundBy.frame)
     assert sight.observation.bearing_rad == pytest.approx(0.18, abs=0.001)
-    assert eye.observe(frame(picture((1.1, 0.18, 0.2), 4), 4)).observation.found_by != FoundBy.frame
+    # That it stands there now and does not go on at 6 m/s costs one more search; then it is followed again.
+    later = [eye.observe(frame(picture((1.1, 0.18, 0.2), k), k)).observation.found_by for k in range(4, 7)]
+    assert later[1:] == [FoundBy.track] * 2
     assert eye.rejected.jump == 0
 
 
@@ -196,20 +197,18 @@ def test_tags_come_into_view_and_go():
 
 
 def test_a_tag_that_is_hidden_is_left_out_and_the_other_still_followed():
+    # The left tag is covered with gray up to its right rim, the other one is whole.
     eye = observer(ROOF)
     for k in range(30):
-        truth = path(k, 1.6)
+        truth, hidden = path(k, 1.6), 10 <= k < 20
         image = picture(truth, k, ROOF)
-        if 10 <= k < 20:  # a hand before the left half of what is seen
-            seen_px = in_the_middle(eye_of_now)
-            left = int(seen_px[0]) - 60
-            image[:, max(left, 0) : int(seen_px[0]) + 12] = 128
+        left_px, right_px = (true_corners(leader_at(*truth), tag) for tag in ROOF.tags)
+        if hidden:
+            image[:, int(left_px[:, 0].min()) - 10 : int(left_px[:, 0].max())] = 128
+        assert left_px[:, 0].max() < right_px[:, 0].min()
         found = eye.observe(frame(image, k)).observation
-        if k == 9:
-            eye_of_now = found
-            hidden_id = min(found.tags, key=lambda tag: tag.corners_px[:, 0].mean()).id
-        ids = [tag.id for tag in found.tags]
-        assert ids == ([1, 2] if not 10 <= k < 20 else [3 - hidden_id])
+        assert [tag.id for tag in found.tags] == ([2] if hidden else [1, 2])
+        assert found.found_by == (FoundBy.track if k else FoundBy.frame)
         assert np.abs(error_of(found, truth)[:2]).max() < 0.02
 
 
