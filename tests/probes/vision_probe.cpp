@@ -67,15 +67,16 @@ bool is_finite(const Observation& o) {
          std::isfinite(o.heading_doubt) && std::isfinite(o.ambiguity_ratio) && std::isfinite(o.reprojection_error_px);
 }
 
-/// Mostly the next frame's; now and then the same, earlier, much later, or at the end of time.
+/// Mostly the next frame's; now and then the same, earlier, much later, or at either end of time.
 std::int64_t next_utime(std::int64_t utime, RandomNumbers& random) {
+  if (utime < 0 || utime > (std::int64_t{1} << 62U)) return 1'000'000;  // back from the end of time
   switch (random.below(40)) {
     case 0: return utime;
     case 1: return utime - kPeriod_us;
     case 2: return utime + 30'000'000;
     case 3: return std::numeric_limits<std::int64_t>::max();
     case 4: return std::numeric_limits<std::int64_t>::min();
-    default: return utime > (std::int64_t{1} << 62) || utime < 0 ? 0 : utime + kPeriod_us;
+    default: return utime + kPeriod_us;
   }
 }
 

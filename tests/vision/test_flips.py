@@ -3,14 +3,17 @@
 From the side a tag turned by psi and one turned by -psi look the same but for perspective. A tag of p pixels and s
 metres, turned by psi at the distance d, has one side taller than the other by p s sin(psi) / d: at 3 m, 32 px and 8
 degrees 0.24 px, at 5 m, 19 px and 30 degrees 0.3 px. A side is placed to some 0.02 to 0.03 px: so a frame by itself
-mostly knows, but not surely, and the closer to head-on the less it knows - and the less it matters.
+mostly knows, but not surely, and the closer to head-on the less it knows - and the less it matters. With noise of 3
+gray levels next to no frame is wrong; so here it is three times that (a dark room), and head-on the picture is blurred
+more too.
 """
 
 import numpy as np
 import pytest
 from rendered_leaders import BODY, ROOF, error_of, frame, leader_at, observer, render, wrapped
 
-FRAMES = 150
+FRAMES, SEEDS = 150, (1, 2, 3)
+DARK = {"head-on": {"noise_sigma": 9.0, "blur_sigma_px": 1.0}, "far": {"noise_sigma": 9.0}}
 
 
 def head_on(seed):
@@ -37,27 +40,33 @@ def far_and_wide(seed):
     return at
 
 
-def watched(path, seed, frames=FRAMES, body=BODY, **config):
+def watched(path, seed, frames=FRAMES, body=BODY, forgetting=False, **imperfections):
     """[(truth, observation)] of the frames in which the leader is seen."""
-    eye, seen = observer(body, acquisition_range_m=6.0, **config), []
+    eye, seen = observer(body, acquisition_range_m=6.0), []
     for k in range(frames):
         truth = path(k)
-        image = render([(body, leader_at(*truth))], 1000 * seed + k, clutter_seed=seed)
+        image = render([(body, leader_at(*truth))], 1000 * seed + k, clutter_seed=seed, **imperfections)
+        if forgetting:
+            eye.forget()
         found = eye.observe(frame(image, k)).observation
         if found is not None:
             seen.append((truth, found))
     return seen
 
 
+PATHS = {"head-on": head_on, "far": far_and_wide}
+
+
 @pytest.fixture(scope="module")
 def sequences():
-    paths = {"head-on": head_on, "far": far_and_wide}
-    return {name: [watched(path(seed), seed) for seed in (1, 2, 3)] for name, path in paths.items()}
+    return {name: [watched(path(seed), seed, **DARK[name]) for seed in SEEDS] for name, path in PATHS.items()}
 
 
-@pytest.mark.parametrize("name", ["head-on", "far"])
-def test_the_heading_is_right_in_99_of_100_frames(sequences, name):
-    assert sum(map(len, sequences[name])) >= 0.97 * 3 * FRAMES
+@pytest.mark.parametrize(("name", "least_seen"), [("head-on", 0.99), ("far", 0.8)])
+def test_the_heading_is_right_in_99_of_100_frames(sequences, name, least_seen):
+    # A quarter of the far frames are turned by more than 55 degrees, where cells are 1.3 px wide and noisy: not all of
+    # those are read.
+    assert sum(map(len, sequences[name])) >= least_seen * len(SEEDS) * FRAMES
     wrong = [abs(error_of(o, truth)[2]) > np.radians(10) for seen in sequences[name] for truth, o in seen]
     assert np.mean(wrong) <= 0.01
 
@@ -65,26 +74,19 @@ def test_the_heading_is_right_in_99_of_100_frames(sequences, name):
 @pytest.mark.parametrize("name", ["head-on", "far"])
 def test_a_large_heading_never_changes_its_sign_from_one_frame_to_the_next(sequences, name):
     # What a flip is: from psi to -psi as seen from the line of sight. Within a frame the leader turns by 60 deg x 0.8/s
-    # / 30 = 1.6 degrees at most, so both beyond 5 degrees with other signs was no turn.
+    # / 30 = 1.6 degrees at most, so both beyond 10 degrees with other signs was no turn.
     for seen in sequences[name]:
         turned = np.array([wrapped(o.heading_rad - o.bearing_rad) for _, o in seen])
-        large = np.abs(turned) > np.radians(5)
+        large = np.abs(turned) > np.radians(10)
         flips = large[1:] & large[:-1] & (np.sign(turned[1:]) != np.sign(turned[:-1]))
         assert not flips.any()
 
 
-def test_without_the_filter_the_heading_would_flip(sequences):
-    # The same frames, each by itself: the test above has something to prevent.
-    wrong = []
-    for seed in (1, 2, 3):
-        eye, path = observer(acquisition_range_m=6.0), far_and_wide(seed)
-        for k in range(0, FRAMES, 5):
-            eye.forget()
-            image = render([(BODY, leader_at(*path(k)))], 1000 * seed + k, clutter_seed=seed)
-            found = eye.observe(frame(image, k)).observation
-            if found is not None:
-                wrong.append(abs(error_of(found, path(k))[2]) > np.radians(10))
-    assert np.mean(wrong) > 0.02
+@pytest.mark.parametrize("name", ["head-on", "far"])
+def test_without_the_filter_the_heading_would_flip(name):
+    # The same frames, each by itself: the tests above have something to prevent.
+    seen = [pair for seed in SEEDS for pair in watched(PATHS[name](seed), seed, forgetting=True, **DARK[name])]
+    assert np.mean([abs(error_of(o, truth)[2]) > np.radians(10) for truth, o in seen]) > 0.01
 
 
 @pytest.mark.parametrize("name", ["head-on", "far"])
@@ -104,14 +106,15 @@ def test_both_solutions_are_kept_while_they_are_ambiguous(sequences, name):
 
 
 def test_distance_and_bearing_do_not_care_which_solution_is_right(sequences):
-    # The tag hangs at the leader's origin, so both solutions put it at the same place: at 5 m the distance is known to
-    # d^2 / (f s) times 0.02 px: 5 mm; ten of them allow for the worst of 450 frames with cells of 1.2 to 2.4 px.
+    # The tag hangs at the leader's origin, so both solutions put it at the same place: with sides known to 0.1 px (0.03
+    # px at a noise of 3) at 5 m the distance is known to d^2 / (f s) 0.1 px = 26 mm; ten of them allow for the worst
+    # frame with cells of 1.2 px. The bearing: half a pixel.
     for truth, o in (pair for seen in sequences["far"] for pair in seen):
         error = error_of(o, truth)
         assert abs(error[0]) < 0.25
         assert abs(error[1]) < 0.5 / 600
     errors = [error_of(o, truth)[0] for seen in sequences["far"] for truth, o in seen]
-    assert np.median(np.abs(errors)) < 0.02
+    assert np.median(np.abs(errors)) < 0.67 * 0.026
 
 
 def test_doubt_fades_as_evidence_comes_in():
