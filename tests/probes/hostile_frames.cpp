@@ -13,8 +13,8 @@
 namespace pilotfish::probes {
 namespace {
 
-constexpr std::array<std::pair<int, int>, 10> kSizes = {
-    {{16, 16}, {17, 31}, {64, 48}, {160, 120}, {161, 119}, {320, 240}, {320, 240}, {400, 300}, {4000, 16}, {16, 2000}}};
+constexpr std::pair<int, int> kUsualSizes[] = {{160, 120}, {161, 119}, {320, 240}, {400, 300}};
+constexpr std::pair<int, int> kOddSizes[] = {{16, 16}, {17, 31}, {64, 48}, {4000, 16}, {16, 2000}, {97, 640}};
 constexpr std::array<const char*, 9> kFamilies = {"tag36h11",      "tag36h10",         "tag25h9",
                                                   "tag16h5",       "tagStandard41h12", "tagStandard52h13",
                                                   "tagCircle21h7", "tagCircle49h12",   "tagCustom48h12"};
@@ -42,28 +42,29 @@ CameraModel plain_camera(int width, int height) {
 }
 
 CameraModel any_camera(RandomNumbers& random) {
-  const auto [width, height] = kSizes[random.below(kSizes.size())];
+  const auto [width, height] = random.once_in(4) ? kOddSizes[random.below(6)] : kUsualSizes[random.below(4)];
   CameraModel camera = plain_camera(width, height);
   const double longest = std::max(width, height);
-  switch (random.below(4)) {
-    case 0: break;
-    case 1:  // a real lens
+  switch (random.below(6)) {
+    case 0:  // a real lens
       camera.k1 = random.between(-0.3, 0.1);
       camera.k2 = random.between(-0.05, 0.1);
       camera.p1 = random.between(-0.01, 0.01);
       break;
-    case 2:  // any pinhole
+    case 1:  // any pinhole
       camera.fx = longest * std::pow(10.0, random.between(-0.99, 1.99));
       camera.fy = longest * std::pow(10.0, random.between(-0.99, 1.99));
       camera.cx = random.between(0.01, width - 0.01);
       camera.cy = random.between(0.01, height - 0.01);
       break;
-    default: {  // no lens at all
+    case 2: {  // no lens at all
       const double reach = random.once_in(4) ? 300.0 : 1.0;
       for (double CameraModel::*k :
            {&CameraModel::k1, &CameraModel::k2, &CameraModel::p1, &CameraModel::p2, &CameraModel::k3})
         if (random.once_in(2)) camera.*k = any_distortion(random, reach);
+      break;
     }
+    default: break;
   }
   return camera;
 }
@@ -93,11 +94,11 @@ Picture with_leader(const LeaderBody& body, const CameraModel& plain, RandomNumb
   robot.leader = body;
   const std::vector<sim::Surface> surfaces = sim::surfaces_of(robot);
   // The first tag looks to the rear: seen from behind and near enough to be read, or too near to be whole.
-  const double depth_m = plain.fx * body.tags.front().size_m / (random.between(0.1, 1.3) * plain.height);
+  const double depth_m = plain.fx * body.tags.front().size_m / (random.between(0.2, 1.1) * plain.height);
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
   cMo.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;  // base (x ahead, y left, z up) to camera (x right, y down, z ahead)
-  cMo.linear() *= Eigen::AngleAxisd(random.between(-1.2, 1.2), Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  cMo.translation() << random.between(-0.4, 0.4) * depth_m, random.between(-0.3, 0.3) * depth_m, depth_m;
+  cMo.linear() *= Eigen::AngleAxisd(random.between(-0.9, 0.9), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  cMo.translation() << random.between(-0.3, 0.3) * depth_m, random.between(-0.25, 0.25) * depth_m, depth_m;
   sim::View view;
   view.bodies.push_back({&surfaces, cMo});
   const sim::Renderer renderer(plain, {}, {}, random.bits());

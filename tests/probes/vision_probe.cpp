@@ -101,7 +101,7 @@ int run_corpus(std::uint64_t seed, int frames) {
     std::int64_t utime = 1'000'000;
     // Every other frame is the leader where it was, so that there is something to follow into what comes next.
     for (int k = 0; k < 20 && shown < frames; ++k, ++shown) {
-      Picture picture = random.once_in(4) ? without_sense(camera.width, camera.height, random) : leader;
+      Picture picture = random.once_in(6) ? without_sense(camera.width, camera.height, random) : leader;
       if (k % 2 == 1) disturb(picture, random);
       utime = next_utime(utime, random);
       const vision::Sight sight = observer.observe(claimed(std::move(picture), utime, random));

