@@ -295,9 +295,10 @@ Sight LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, F
     return {std::nullopt, Reason::leader_jumped};
 
   HeadingFilter heading = heading_;
-  if (track_.seconds_since(frame.utime) > config_.heading.memory_s) heading.forget();
+  const double dt_s = std::max(0.0, track_.seconds_since(frame.utime));  // a clock that was set back is no motion
+  if (dt_s > config_.heading.memory_s) heading.forget();
   const int degrees_of_freedom = 8 * static_cast<int>(tags.size()) - 6;
-  const FilteredHeading filtered = heading.update(candidates, degrees_of_freedom, track_.seconds_since(frame.utime));
+  const FilteredHeading filtered = heading.update(candidates, degrees_of_freedom, dt_s);
   if (!is_finite(filtered.fused)) return {std::nullopt, Reason::pose_refused};
   const PoseSolution& believed = solutions[filtered.candidate];
 

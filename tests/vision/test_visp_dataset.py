@@ -7,6 +7,10 @@ pixel, half a pixel less from its centre: with it the mean offset between seen a
 1080 is (-0.05, -0.01) px, else half a pixel more. A paper tag, quiet zone of one cell included, is 0.25 m
 wide, and half as wide for the ids 3 and 4. ViSP's tag frame has y up and z out of the paper where ours has y
 down and z into it.
+
+The picture of 640 x 480 does not quite agree with its truth: whoever measures its corners finds whole tags up to 0.3 px
+from where the truth puts them, each tag its own way (see the test of it). So it cannot tell apart methods whose corners
+are better than that, and exactness is compared at 1920 x 1080, where no tag is off by 0.1 px.
 """
 
 from pathlib import Path
@@ -17,7 +21,7 @@ from PIL import Image
 from pinhole_drawing import corners_px
 
 from pilotfish.core import BodyTag, CameraModel, Frame, LeaderBody
-from pilotfish.vision import LeaderObserver, TagDetector, TagDetectorConfig, estimate_leader_pose
+from pilotfish.vision import LeaderObserver, TagDetector, TagDetectorConfig, estimate_leader_pose, look_at_tag
 
 DATA = Path("/usr/share/visp-images-data/ViSP-images/AprilTag/benchmark")
 pytestmark = pytest.mark.skipif(
@@ -92,10 +96,16 @@ def test_the_corners_are_where_the_true_poses_put_them(size):
 
 @BOTH_SIZES
 @pytest.mark.parametrize("name", FAMILIES)
-def test_every_family_is_read(size, name):
-    found = TagDetector(FAMILIES[name]).detect(picture(size, name)).tags
-    assert [tag.id for tag in found] == [0, 1, 2, 3, 4]
-    assert all(tag.hamming == 0 for tag in found)
+def test_every_family_is_read_and_its_print_found(size, name):
+    # The fitted corners lie nowhere 0.7 px from libapriltag's, whose own error is 0.13 px (rms for tag36h11 at 1920 x
+    # 1080), with tails where the outer edge is as short as five cells.
+    image, family = picture(size, name), FAMILIES[name]
+    tags = TagDetector(family).detect(image).tags
+    assert [tag.id for tag in tags] == [0, 1, 2, 3, 4]
+    for tag in tags:
+        answer = look_at_tag(image, camera=camera(size), family=family, id=tag.id, corners_px=tag.corners_px)
+        assert (tag.hamming, answer.tag.hamming) == (0, 0)
+        assert np.abs(answer.tag.corners_px - tag.corners_px).max() < 0.7
 
 
 @BOTH_SIZES
@@ -115,3 +125,47 @@ def test_a_coarser_search_finds_the_same_tags():
     assert [tag.id for tag in coarse] == [tag.id for tag in fine]
     for a, b in zip(fine, coarse, strict=True):
         assert np.abs(a.corners_px - b.corners_px).max() < 1.0
+
+
+def seen_both_ways(size):
+    """{id: (libapriltag's sighting, ours)}: ours starts from libapriltag's corners."""
+    image, tags = picture(size), TagDetector().detect(picture(size)).tags
+    return {
+        tag.id: (tag, look_at_tag(image, camera=camera(size), id=tag.id, corners_px=tag.corners_px).tag) for tag in tags
+    }
+
+
+def distance_error_mm(size, sighting):
+    on_body = body_tag(sighting.id)
+    cMo = estimate_leader_pose(camera=camera(size), body=LeaderBody([on_body]), tags=[sighting]).cMo
+    measured = np.linalg.norm((cMo @ on_body.oMt)[:3, 3])
+    return 1e3 * abs(measured - np.linalg.norm(true_pose(sighting.id)[:3, 3]))
+
+
+def offsets_from_truth(size, sighting):
+    """(4, 2) [px]"""
+    on_body = body_tag(sighting.id)
+    return sighting.corners_px - corners_px(camera(size), true_pose(sighting.id) @ np.linalg.inv(on_body.oMt), on_body)
+
+
+def test_the_fitted_print_is_at_least_twice_as_exact_as_the_detectors_corners():
+    size = (1920, 1080)
+    both = seen_both_ways(size).values()
+    detected, fitted = ([distance_error_mm(size, pair[k]) for pair in both] for k in (0, 1))
+    assert len(fitted) == 5
+    assert np.median(fitted) <= 0.5 * np.median(detected)
+    detected, fitted = ([offsets_from_truth(size, pair[k]) for pair in both] for k in (0, 1))
+    assert np.sqrt(np.mean(np.square(fitted))) <= 0.5 * np.sqrt(np.mean(np.square(detected)))
+
+
+def test_the_small_picture_disagrees_with_its_truth_for_everybody():
+    # The mean over a tag's corners says where the tag is. Two methods that share no step - libapriltag's lines through
+    # gradients, our fit of the whole print - find the same offset to 0.1 px where it is three times that.
+    farthest_px = {}
+    for size in FOCAL_PX:
+        both = seen_both_ways(size).values()
+        detected, fitted = (np.array([offsets_from_truth(size, pair[k]).mean(axis=0) for pair in both]) for k in (0, 1))
+        assert np.abs(detected - fitted).max() < 0.1
+        farthest_px[size] = np.linalg.norm(fitted, axis=1).max()
+    assert farthest_px[640, 480] > 0.3
+    assert farthest_px[1920, 1080] < 0.1
