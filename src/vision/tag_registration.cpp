@@ -36,9 +36,11 @@ constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
 constexpr double kSpread = 1.3;      ///< samples lie so many standard deviations of the blur beside an edge, at most
 constexpr double kAtRest_px = 0.03;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
 constexpr double kNear_px = 0.7;     ///< a first step that is longer did not start near enough to trust its direction
-constexpr double kLeastNoise = 0.2;  ///< gray levels: even a perfect picture is rounded, and a sample is a mean
-constexpr double kNotAtRest_px = 0.1;   ///< a last step that does
-constexpr double kDenseBelow_px = 3.2;  ///< cells smaller than this are looked at pixel by pixel
+constexpr double kAtHome_contrasts = 0.05;  ///< a fit on the wrong edges leaves more of the contrast unexplained,
+constexpr double kAtHome_outliers = 0.1;    ///< or more of its samples
+constexpr double kLeastNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
+constexpr double kNotAtRest_px = 0.1;       ///< a last step that does
+constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are looked at pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300;
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
 constexpr double kOutlier_sigmas = 3.0;
@@ -285,9 +287,9 @@ Outcome pull_in(Task& task, Fit& fit) {
   return Outcome::at_rest;
 }
 
-/// From near by, with the picture's own blur: a step on few samples, so that the many lie symmetrically about the
-/// edges.
-Outcome settle(Task& task, Fit& fit) {
+/// From near by, with the picture's own blur. Unless it was `pulled_in` already, a step on few samples goes ahead, so
+/// that the many lie evenly about the edges.
+Outcome settle(Task& task, bool pulled_in, Fit& fit) {
   const bool dense = task.cell_px < kDenseBelow_px;
   const double extra_blur = dense ? 0.0 : kSampleBlur_px2;
   const double widest_px = std::sqrt(std::max(fit.look.blur_u_px2, fit.look.blur_v_px2) + kSampleBlur_px2);
@@ -298,18 +300,24 @@ Outcome settle(Task& task, Fit& fit) {
     else
       take_along_edges(task.image, task.camera, fit.warp, task.pattern, kSpread * widest_px, wanted, task.samples);
   };
-  take(kCoarseSamples);
-  double move_px = step_once(task, extra_blur, true, fit);
-  if (!(move_px < task.cell_px)) return Outcome::failed;
-  if (move_px > kNear_px) return Outcome::far_away;
-  if (!dense) take(kFineSamples);
+  if (!pulled_in && !dense) {
+    take(kCoarseSamples);
+    if (!(step_once(task, extra_blur, true, fit) < kNear_px)) return Outcome::far_away;
+  }
+  take(kFineSamples);
   fit.noise = 0.0;
+  double move_px = 0.0;
   for (int i = 0; i < 6; ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return Outcome::failed;
     if (move_px < kAtRest_px) return Outcome::at_rest;
   }
   return move_px < kNotAtRest_px ? Outcome::at_rest : Outcome::failed;
+}
+
+/// Whether a fit that came to rest did so at home and not on some other edge: then it explains the picture well.
+bool explains(const Fit& fit) {
+  return fit.noise < kAtHome_contrasts * fit.look.contrast() && fit.outlier_share < kAtHome_outliers;
 }
 
 }  // namespace
@@ -325,14 +333,11 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
 
   Task task{image, camera, pattern, start, cell_px, {}, {}, {}};
   Fit near = fit;
-  Outcome outcome = settle(task, near);
-  if (outcome == Outcome::far_away) {
+  if (settle(task, false, near) != Outcome::at_rest || !explains(near)) {
     near = fit;
-    if (pull_in(task, near) == Outcome::failed) return std::nullopt;
-    outcome = settle(task, near);
-    if (outcome == Outcome::far_away) return std::nullopt;
+    if (pull_in(task, near) == Outcome::failed || settle(task, true, near) != Outcome::at_rest) return std::nullopt;
   }
-  if (outcome == Outcome::failed || !(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
+  if (!(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
   fit = near;
 
   Registration found;

@@ -25,7 +25,7 @@ class TagWarp {
   TagWarp(const CameraModel& camera, const Eigen::Matrix3d& nHt) : scale_(1.0 / std::sqrt(camera.fx * camera.fy)) {
     const Eigen::Matrix3d H = nHt / nHt(2, 2);
     middle_ = H.col(2).head<2>();
-    for (int i = 0; i < 2; ++i) h.segment<3>(3 * i) = (H.row(i) - middle_[i] * H.row(2)).transpose() / scale_;
+    for (Eigen::Index i = 0; i < 2; ++i) h.segment<3>(3 * i) = (H.row(i) - middle_[i] * H.row(2)).transpose() / scale_;
     h.tail<2>() = H.row(2).head<2>().transpose();
   }
 

@@ -207,7 +207,7 @@ def test_a_leader_whose_body_file_is_mirrored_shows_its_back():
     # best pose for both shows the back of one of them, or explains neither.
     claimed = LeaderBody([TAG, BodyTag(id=4, size_m=0.16, position_m=[0.0, 0.25, 0.0], facing_rad=0.0)])
     real = LeaderBody([TAG, BodyTag(id=4, size_m=0.16, position_m=[0.0, 0.25, 0.0])])
-    reason, counts = refused(picture((1.5, 0.0, 0.1), body=real), body=claimed)
+    reason, counts = refused(picture((1.2, 0.0, 0.1), body=real), body=claimed)
     assert (reason, counts) == (Reason.leader_behind_camera, {"behind": 1})
 
 
