@@ -119,8 +119,9 @@ StepResult Coordinator::not_measured(std::int64_t utime, Reason reason) const no
 
 bool Coordinator::fresh_at(std::int64_t utime) const noexcept {
   if (!last_measured_utime_) return false;
-  const std::int64_t age_us = utime - *last_measured_utime_;
-  return age_us >= 0 && age_us <= max_age_us_;  // a measurement from the future is not to be trusted either
+  // As doubles: two times off a wire may be farther apart than an int64 can say; up to the year 2255 they are exact.
+  const double age_us = static_cast<double>(utime) - static_cast<double>(*last_measured_utime_);
+  return age_us >= 0.0 && age_us <= static_cast<double>(max_age_us_);  // a measurement from the future is not to be trusted either
 }
 
 void Coordinator::rest(std::int64_t since_utime) noexcept {

@@ -35,10 +35,10 @@ def test_behind_a_steady_leader_it_stands_within_two_millimetres_and_settles_in_
 
 
 @pytest.mark.parametrize("experiment", [LINE, CIRCLE], ids=["line", "circle"])
-def test_on_rendered_pictures_the_error_and_the_command_s_jerk_are_below_the_published_law_s(experiment):
+def test_on_rendered_pictures_the_error_is_far_below_the_published_law_s_and_the_jerk_about_the_same(experiment):
     """Six seconds that begin at the paper's distance: anticipation ends at zero where the law as published still stands
     a tenth of a metre off, and treats the wheels about as well: what is left of the jerk is starting and braking at the
-    limit of 1 m/s^2, where one change of the acceleration within a frame is 30 m/s^3 for that frame, and both do both."""
+    limit of 1 m/s^2, one frame of 30 m/s^3 each time, and both laws do both."""
     published, anticipated = (
         run_experiment(experiment, profile, "in-process", duration_s=8.0) for profile in ("paper", "anticipate")
     )
