@@ -22,7 +22,7 @@ std::optional<SquareSighting> undistorted(const CameraModel& camera, const BodyT
   SquareSighting square;
   square.corners_o = corners_on_body(on_body);
   Eigen::Matrix<double, 8, 8> pixels_by_normalized = Eigen::Matrix<double, 8, 8>::Zero();
-  for (int i = 0; i < 4; ++i) {
+  for (Eigen::Index i = 0; i < 4; ++i) {
     const Eigen::Vector2d& pixel = measurement.tag.corners_px[i];
     square.normalized[i] = normalize_pixel(camera, pixel);
     if (!((project_normalized(camera, square.normalized[i]) - pixel).norm() < 1e-6)) return std::nullopt;

@@ -76,7 +76,8 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
       // Whole pixels, with one more all around. (A cast, not std::floor, which is a function call without SSE 4.1.)
       if (!(pixel.x() >= 0.5 && pixel.y() >= 0.5 && pixel.x() < image.width - 1.5 && pixel.y() < image.height - 1.5))
         continue;
-      const auto u = static_cast<std::ptrdiff_t>(pixel.x() + 0.5), v = static_cast<std::ptrdiff_t>(pixel.y() + 0.5);
+      const Eigen::Vector2d from_rim = pixel + Eigen::Vector2d(0.5, 0.5);
+      const auto u = static_cast<std::ptrdiff_t>(from_rim.x()), v = static_cast<std::ptrdiff_t>(from_rim.y());
       const Eigen::Vector2d nearest(static_cast<double>(u), static_cast<double>(v));
       // Where that pixel lies must be exact: without distortion it is; with it, one step of Newton's method is enough.
       Eigen::Vector2d g = g_middle + g_from_pixel * (nearest - pixel_middle);

@@ -92,7 +92,8 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
     const Eigen::Vector2d pixel = fit.warp.pixel(camera, fit.warp.flat(cell.centre));
     if (!(pixel.x() > -0.5 && pixel.y() > -0.5 && pixel.x() < image.width - 0.5 && pixel.y() < image.height - 0.5))
       continue;
-    const auto u = static_cast<std::ptrdiff_t>(pixel.x() + 0.5), v = static_cast<std::ptrdiff_t>(pixel.y() + 0.5);
+    const Eigen::Vector2d from_rim = pixel + Eigen::Vector2d(0.5, 0.5);
+    const auto u = static_cast<std::ptrdiff_t>(from_rim.x()), v = static_cast<std::ptrdiff_t>(from_rim.y());
     sum[cell.white] += image.data[v * image.stride_bytes + u];
     ++count[cell.white];
   }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <stdexcept>
 #include <utility>
 
 namespace pilotfish {
@@ -18,10 +17,9 @@ class BoundedVector {
   bool full() const { return size_ == N; }
   void clear() { size_ = 0; }
 
-  /// Throws std::length_error beyond N: callers bound what they put in, so this is a mistake of ours.
-  void push_back(T value) {
-    if (full()) throw std::length_error("a BoundedVector is full");
-    values_[size_++] = std::move(value);
+  /// Beyond N nothing is added. Callers bound what they put in; the control loop does not throw.
+  void push_back(T value) noexcept {
+    if (!full()) values_[size_++] = std::move(value);
   }
 
   T* begin() { return values_.data(); }
