@@ -43,7 +43,7 @@ std::optional<NormalEquations> linearize(const Eigen::Isometry3d& cMo, const Squ
   for (const SquareSighting& square : squares) {
     Eigen::Matrix<double, 8, 6> L;
     Eigen::Matrix<double, 8, 1> difference;
-    for (int i = 0; i < 4; ++i) {
+    for (Eigen::Index i = 0; i < 4; ++i) {
       const Eigen::Vector3d point_c = cMo * square.corners_o[i];
       if (!(point_c.z() > kNearest_m)) return std::nullopt;
       const double Z = point_c.z(), x = point_c.x() / Z, y = point_c.y() / Z;
