@@ -121,7 +121,8 @@ bool Coordinator::fresh_at(std::int64_t utime) const noexcept {
   if (!last_measured_utime_) return false;
   // As doubles: two times off a wire may be farther apart than an int64 can say; up to the year 2255 they are exact.
   const double age_us = static_cast<double>(utime) - static_cast<double>(*last_measured_utime_);
-  return age_us >= 0.0 && age_us <= static_cast<double>(max_age_us_);  // a measurement from the future is not to be trusted either
+  // A measurement from the future is not to be trusted either.
+  return age_us >= 0.0 && age_us <= static_cast<double>(max_age_us_);
 }
 
 void Coordinator::rest(std::int64_t since_utime) noexcept {
