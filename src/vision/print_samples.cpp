@@ -88,16 +88,23 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
   pad(samples);
 }
 
-void take_all_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-                     PrintSamples& samples) {
+void take_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
+                 PrintSamples& samples) {
   samples.count = 0;
   const double reach = 1.0 + 0.5 * pattern.cell_side;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-  for (const Eigen::Vector2d& corner : tag_corners()) {
-    const Eigen::Vector2d pixel = warp.pixel(camera, warp.flat(reach * corner));
-    low = low.cwiseMin(pixel);
-    high = high.cwiseMax(pixel);
+  std::array<Eigen::Vector2d, 4> rim;
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    rim[i] = warp.pixel(camera, warp.flat(reach * tag_corners()[i]));
+    low = low.cwiseMin(rim[i]);
+    high = high.cwiseMax(rim[i]);
   }
+  // A tag seen from the side is small one way only. Where it has more pixels than there is room for, the golden section
+  // leaves some out everywhere.
+  const Eigen::Vector2d diagonal = rim[2] - rim[0], other = rim[3] - rim[1];
+  const double area_px = 0.5 * std::abs(diagonal.x() * other.y() - diagonal.y() * other.x());
+  const double kept_share = (PrintSamples::kCapacity - 16) / std::max(area_px, 1.0);
+  int turn = 0;
   low = low.cwiseMax(Eigen::Vector2d::Zero());
   high = high.cwiseMin(Eigen::Vector2d(image.width - 1.0, image.height - 1.0));
   if (!low.allFinite() || !high.allFinite() || (high - low).maxCoeff() > 100.0) return;
@@ -112,6 +119,7 @@ void take_all_pixels(const ImageView& image, const CameraModel& camera, const Ta
         g += warp.pixel_jacobian(camera, g).inverse() * (Eigen::Vector2d(u, v) - warp.pixel(camera, g));
       const Eigen::Vector2d tag = (tag_from_flat * g.homogeneous()).hnormalized();
       if (!(tag.cwiseAbs().maxCoeff() <= reach) || samples.count >= PrintSamples::kCapacity) continue;
+      if (std::fmod(kGoldenSection * turn++, 1.0) >= kept_share) continue;
       add(samples, pattern, g, tag,
           image.data[static_cast<std::ptrdiff_t>(v) * image.stride_bytes + static_cast<std::ptrdiff_t>(u)]);
     }

@@ -39,8 +39,9 @@ inline constexpr double kSampleBlur_px2 = 0.5;
 void take_along_edges(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
                       double spread_px, int wanted, PrintSamples& samples);
 
-/// Every pixel of a small tag, unsmoothed, and those around it as far as the white ring can be relied on.
-void take_all_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-                     PrintSamples& samples);
+/// The pixels of a small tag, unsmoothed, and those around it as far as the white ring can be relied on: all of them,
+/// or as many as there is room for, spread evenly.
+void take_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
+                 PrintSamples& samples);
 
 }  // namespace pilotfish::vision

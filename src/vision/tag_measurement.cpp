@@ -6,6 +6,7 @@
 
 #include "tag_reading.hpp"
 #include "tag_search.hpp"
+#include "tag_warp.hpp"
 
 namespace pilotfish::vision {
 namespace {
@@ -20,14 +21,6 @@ bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& cor
     return corner.x() >= kLeastMargin_px && corner.y() >= kLeastMargin_px &&
            corner.x() <= image.width - 1.0 - kLeastMargin_px && corner.y() <= image.height - 1.0 - kLeastMargin_px;
   });
-}
-
-std::array<Eigen::Vector2d, 4> corners_px_of(const CameraModel& camera, const Eigen::Matrix3d& nHt) {
-  std::array<Eigen::Vector2d, 4> corners;
-  const double at[4][2] = {{-1, 1}, {1, 1}, {1, -1}, {-1, -1}};
-  for (int i = 0; i < 4; ++i)
-    corners[i] = project_normalized(camera, (nHt * Eigen::Vector3d(at[i][0], at[i][1], 1.0)).hnormalized());
-  return corners;
 }
 
 double shorter_cell_px(const std::array<Eigen::Vector2d, 4>& c, double cell_side) {
@@ -52,7 +45,7 @@ const std::vector<Parameter<TagGates>>& TagGates::parameters() {
 TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                     const Eigen::Matrix3d& nHt, const Appearance& expected, double search_px, const BitGates& bits,
                     const TagGates& gates) noexcept {
-  const std::array<Eigen::Vector2d, 4> guess_px = corners_px_of(camera, nHt);
+  const std::array<Eigen::Vector2d, 4> guess_px = tag_corners_px(camera, TagWarp(camera, nHt));
   for (const Eigen::Vector2d& corner : guess_px)
     if (!(corner.cwiseAbs().maxCoeff() < 1e5)) return {std::nullopt, TagRefusal::not_found};
   if (shorter_cell_px(guess_px, pattern.cell_side) < 0.5 * gates.min_cell_px)

@@ -72,12 +72,6 @@ struct Rows {
   Eigen::Matrix<float, PrintSamples::kCapacity, 1> r;
 };
 
-std::array<Eigen::Vector2d, 4> corners_px(const CameraModel& camera, const TagWarp& warp) {
-  std::array<Eigen::Vector2d, 4> corners;
-  for (int i = 0; i < 4; ++i) corners[i] = warp.pixel(camera, warp.flat(tag_corners()[i]));
-  return corners;
-}
-
 /// Side of a cell in pixels, along the axis of the tag that looks shorter.
 double smallest_cell_px(const TagWarp& warp, const TagPattern& pattern) {
   const Eigen::Matrix2d J = warp.flat_jacobian(Eigen::Vector2d::Zero());
@@ -270,50 +264,48 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
   return largest_move(before, fit.warp);
 }
 
-enum class Outcome { at_rest, far_away, failed };
-
-/// From far away: a print blurred by a third of a cell pulls from a third of a cell away.
-Outcome pull_in(Task& task, Fit& fit) {
+/// From far away: a print blurred by a third of a cell pulls from a third of a cell away. False if it does not.
+bool pull_in(Task& task, Fit& fit) {
   const double wide_px = 0.3 * task.cell_px;
   const double extra_blur = wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2);
-  if (extra_blur <= kSampleBlur_px2) return Outcome::at_rest;  // the picture's own blur pulls as far
+  if (extra_blur <= kSampleBlur_px2) return true;  // the picture's own blur pulls as far
   task.samples.reach = 1;
   take_along_edges(task.image, task.camera, fit.warp, task.pattern, wide_px, kCoarseSamples, task.samples);
   for (int i = 0; i < 4; ++i) {
     const double move_px = step_once(task, extra_blur, false, fit);
-    if (!(move_px < task.cell_px)) return Outcome::failed;
+    if (!(move_px < task.cell_px)) return false;
     if (move_px < 0.3 * kNear_px) break;
   }
   fit.noise = 0.0;
-  return Outcome::at_rest;
+  return true;
 }
 
 /// From near by, with the picture's own blur. Unless it was `pulled_in` already, a step on few samples goes ahead, so
-/// that the many lie evenly about the edges.
-Outcome settle(Task& task, bool pulled_in, Fit& fit) {
+/// that the many lie evenly about the edges. False if it does not come to rest.
+bool settle(Task& task, bool pulled_in, Fit& fit) {
   const bool dense = task.cell_px < kDenseBelow_px;
   const double extra_blur = dense ? 0.0 : kSampleBlur_px2;
   const double widest_px = std::sqrt(std::max(fit.look.blur_u_px2, fit.look.blur_v_px2) + kSampleBlur_px2);
   task.samples.reach = widest_px < 0.4 * task.cell_px ? 1 : 2;
   const auto take = [&](int wanted) {
     if (dense)
-      take_all_pixels(task.image, task.camera, fit.warp, task.pattern, task.samples);
+      take_pixels(task.image, task.camera, fit.warp, task.pattern, task.samples);
     else
       take_along_edges(task.image, task.camera, fit.warp, task.pattern, kSpread * widest_px, wanted, task.samples);
   };
   if (!pulled_in && !dense) {
     take(kCoarseSamples);
-    if (!(step_once(task, extra_blur, true, fit) < kNear_px)) return Outcome::far_away;
+    if (!(step_once(task, extra_blur, true, fit) < kNear_px)) return false;
   }
   take(kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
   for (int i = 0; i < 6; ++i) {
     move_px = step_once(task, extra_blur, true, fit);
-    if (!(move_px < task.cell_px)) return Outcome::failed;
-    if (move_px < kAtRest_px) return Outcome::at_rest;
+    if (!(move_px < task.cell_px)) return false;
+    if (move_px < kAtRest_px) return true;
   }
-  return move_px < kNotAtRest_px ? Outcome::at_rest : Outcome::failed;
+  return move_px < kNotAtRest_px;
 }
 
 /// Whether a fit that came to rest did so at home and not on some other edge: then it explains the picture well.
@@ -334,16 +326,16 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
 
   Task task{image, camera, pattern, start, cell_px, {}, {}, {}};
   Fit near = fit;
-  if (settle(task, false, near) != Outcome::at_rest || !explains(near)) {
+  if (!settle(task, false, near) || !explains(near)) {
     near = fit;
-    if (pull_in(task, near) == Outcome::failed || settle(task, true, near) != Outcome::at_rest) return std::nullopt;
+    if (!pull_in(task, near) || !settle(task, true, near)) return std::nullopt;
   }
   if (!(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
   fit = near;
 
   Registration found;
   found.nHt = fit.warp.nHt();
-  found.corners_px = corners_px(camera, fit.warp);
+  found.corners_px = tag_corners_px(camera, fit.warp);
   found.covariance_px2 = corner_covariance(camera, fit.warp, task.sum, fit.noise);
   const double shape_px = shape_sigma_px(fit.look, cell_px);
   found.covariance_px2.diagonal().array() += shape_px * shape_px;

@@ -91,4 +91,11 @@ inline const std::array<Eigen::Vector2d, 4>& tag_corners() {
   return corners;
 }
 
+/// The same in the picture [px].
+inline std::array<Eigen::Vector2d, 4> tag_corners_px(const CameraModel& camera, const TagWarp& warp) {
+  std::array<Eigen::Vector2d, 4> corners_px;
+  for (std::size_t i = 0; i < corners_px.size(); ++i) corners_px[i] = warp.pixel(camera, warp.flat(tag_corners()[i]));
+  return corners_px;
+}
+
 }  // namespace pilotfish::vision
