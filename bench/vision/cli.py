@@ -45,7 +45,7 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Of every frame. Same seed: same frames.")] = 1,
     out: Annotated[Path, typer.Option(help="Where vision.json and the pictures go.")] = Path("out/bench"),
 ) -> None:
-    """Pilotfish's eye beside its peers: the same frames, in the same run, frame by frame, one thread each.
+    """Pilotfish's eye beside its peers: the same frames, in the same run, ten at a time in turns, one thread each.
 
     Peers: ViSP and libapriltag (Debian), the newest AprilTag and OpenCV's ArUco (PyPI). The compiled ones are built
     into build/bench when they are missing. Prints what every eye made of every sequence, then one row a goal.

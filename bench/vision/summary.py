@@ -25,15 +25,17 @@ class Figures:
     normals_wrong: float  # share of the answers
     headings_wrong: float  # share of the answers
     median_ms: float  # per frame, seen or not
+    cold_ms: float  # the same of the first frames of the bursts: another eye has just used the caches
     found_by: dict[str, int]
 
 
-def figures_of(answers: Sequence[Answer], truths: Sequence[np.ndarray]) -> Figures:
-    """`truths`: cMt (4, 4) of each frame."""
+def figures_of(answers: Sequence[Answer], truths: Sequence[np.ndarray], burst: int = 1) -> Figures:
+    """`truths`: cMt (4, 4) of each frame; `burst`: how many frames an eye looked at in a row."""
     errors = [errors_of(answer, truth) for answer, truth in zip(answers, truths, strict=True)]
     distance_mm = 1e3 * np.array([e.distance_m for e in errors])
     allowed_mm = 1e3 * CLOSE_SHARE * np.array([np.linalg.norm(truth[:3, 3]) for truth in truths])
     answered = np.isfinite(distance_mm)
+    elapsed_ms = np.array([answer.elapsed_ns for answer in answers]) / 1e6
     found_by: dict[str, int] = {}
     for answer in answers:
         if answer.cMt is not None:
@@ -46,7 +48,8 @@ def figures_of(answers: Sequence[Answer], truths: Sequence[np.ndarray]) -> Figur
         bias_mm=percentile(distance_mm[answered], 50),
         normals_wrong=share_beyond([e.normal_deg for e in errors], WRONG_DEG),
         headings_wrong=share_beyond([e.heading_deg for e in errors], WRONG_DEG),
-        median_ms=percentile(np.array([answer.elapsed_ns for answer in answers]) / 1e6, 50),
+        median_ms=percentile(elapsed_ms, 50),
+        cold_ms=percentile(elapsed_ms[::burst], 50),
         found_by=found_by,
     )
 

@@ -14,15 +14,14 @@ from bench.vision.without_leader import Verdict
 def figures_table(title: str, figures: dict[str, Figures]) -> Table:
     """One row an eye, one sequence."""
     table = Table(title=title, title_justify="left")
-    columns = ("seen", "median", "p95", "bias", "normals > 10°", "headings > 10°", "time")
+    columns = ("seen", "median", "p95", "bias", "normals > 10°", "headings > 10°", "time", "cold")
     table.add_column("eye")
     for column in columns:
         table.add_column(column, justify="right")
     for name, f in figures.items():
+        errors = (mm(f.median_mm), mm(f.p95_mm), mm(f.bias_mm, "+"))
         shares = (percent(f.normals_wrong), percent(f.headings_wrong))
-        table.add_row(
-            name, percent(f.seen), mm(f.median_mm), mm(f.p95_mm), mm(f.bias_mm, "+"), *shares, ms(f.median_ms)
-        )
+        table.add_row(name, percent(f.seen), *errors, *shares, ms(f.median_ms), ms(f.cold_ms))
     return table
 
 

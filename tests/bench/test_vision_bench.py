@@ -18,7 +18,7 @@ from bench.vision.answers import Answer, errors_of, heading_of, normal_of
 from bench.vision.cli import app
 from bench.vision.goals import at_most, below, wrong_leader_goals
 from bench.vision.lens import visp_coefficients
-from bench.vision.runs import compare
+from bench.vision.runs import BURST, compare
 from bench.vision.summary import as_json, figures_of, percentile, ratio, share_beyond
 from bench.vision.units import fraction, mm
 from bench.vision.visp_images import medians
@@ -242,11 +242,21 @@ def test_all_eyes_see_the_same_frames_each_first_in_its_turn():
             calls.append((self.name, int(image[0, 0]), utime))
             return Answer(1)
 
-    pictures = [scenes.Picture(np.full((1, 1), k, np.uint8), scenes.tag_pose(1.0), k) for k in range(3)]
+    count = 2 * BURST + 1  # two bursts, and one of a single frame
+    pictures = [scenes.Picture(np.full((1, 1), k, np.uint8), scenes.tag_pose(1.0), k) for k in range(count)]
     figures = compare([Eye("a"), Eye("b"), Eye("c")], pictures)
-    assert "".join(name for name, _, _ in calls) == "abcbcacab"
-    assert [(shade, utime) for _, shade, utime in calls] == [(k, k) for k in (0, 0, 0, 1, 1, 1, 2, 2, 2)]
-    assert {name: of_eye.frames for name, of_eye in figures.items()} == {"a": 3, "b": 3, "c": 3}
+    assert "".join(name for name, _, _ in calls[::BURST][:6]) == "abcbca"
+    assert "".join(name for name, _, _ in calls[-3:]) == "cab"
+    for eye in "abc":
+        assert [(shade, utime) for name, shade, utime in calls if name == eye] == [(k, k) for k in range(count)]
+    assert {name: of_eye.frames for name, of_eye in figures.items()} == {"a": count, "b": count, "c": count}
+
+
+def test_the_first_frames_of_the_bursts_have_a_figure_of_their_own():
+    # Bursts of three frames: 9, 1, 1 ms. Median 1 ms, of the first ones 9 ms.
+    answers = [Answer(elapsed_ns) for elapsed_ns in [9_000_000, 1_000_000, 1_000_000] * 5]
+    figures = figures_of(answers, [scenes.tag_pose(1.0)] * 15, burst=3)
+    assert (figures.median_ms, figures.cold_ms) == (1.0, 9.0)
 
 
 def test_a_lens_of_one_coefficient_is_visps_own():

@@ -104,8 +104,8 @@ def test_where_cells_are_as_small_as_the_blur_the_covariance_errs_on_the_safe_si
 @pytest.mark.parametrize(("distance", "heading_deg"), [(2.0, 60), (2.44, 60), (2.0, 70)])
 def test_a_tag_seen_from_the_side_is_used_from_top_to_bottom(distance, heading_deg):
     # Cells of 2.5 to 3.1 px by 5 to 6: more pixels than there is room for, so some are left out. Were it the last rows,
-    # the lower corners would be extrapolated and unsure; as it is evenly, the print's own unevenness is all that is left
-    # between the upper and the lower corners' standard deviations.
+    # the lower corners would be extrapolated and unsure, 1.4 to 2.9 times as much as the upper ones; as it is evenly,
+    # only the print's own unevenness is left.
     cMo = leader_at(distance, heading_rad=np.radians(heading_deg))
     truth, ratios = true_corners(cMo), []
     for k in range(8):
