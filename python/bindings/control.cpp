@@ -100,6 +100,8 @@ void bind_anticipation(py::module_& m) {
         py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
   m.def("stopping_speed", &stopping_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
         "Fastest speed from which the robot can still stop d_min away from a leader that stops dead now.");
+  m.def("eased_speed", &eased_speed, py::arg("config"), py::arg("limits"), py::arg("previous_mps"), py::arg("dt_s"),
+        "Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a jolt.");
   m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("reaction"), py::arg("leader"),
         py::arg("wanted"), "The nearest twist that keeps the leader in the picture.");
 }

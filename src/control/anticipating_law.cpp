@@ -36,6 +36,8 @@ const std::vector<Parameter<AnticipateConfig>>& AnticipateConfig::parameters() {
       {"safety_sigmas", &C::safety_sigmas, 0.0, 10.0,
        "the distance counts as shorter by so many standard deviations when that is judged"},
       {"guard_time_s", &C::guard_time_s, 0.05, 5.0, "the leader may not approach the picture's edge faster than this"},
+      {"ease_time_s", &C::ease_time_s, 0.0, 2.0,
+       "time constant with which the top speed is approached; 0: with a jolt"},
   };
   return table;
 }
@@ -87,6 +89,19 @@ double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, 
   const double a = reaction.limits.max_linear_acceleration_mps2, coasting = a * reaction.delay_s;
   const double room_m = leader.distance_m - config.safety_sigmas * leader.distance_sigma_m - config.minimum_distance_m;
   return room_m > 0.0 ? std::sqrt(coasting * coasting + 2.0 * a * room_m) - coasting : 0.0;
+}
+
+/// At full acceleration a up to the top speed V, the acceleration would end within one frame: a jolt of a / dt. With
+/// time constant T,
+///
+///   v' = (V - v) / T
+///
+/// takes over where that is less than a, the last a T below V, and costs (a T)^2 / 2a of way.
+double eased_speed(const AnticipateConfig& config, const LimitsConfig& limits, double previous_mps,
+                   double dt_s) noexcept {
+  if (!(config.ease_time_s > 0.0)) return limits.max_linear_mps;
+  const double share = std::clamp(dt_s / config.ease_time_s, 0.0, 1.0);
+  return previous_mps + share * (limits.max_linear_mps - previous_mps);
 }
 
 /// At each edge of the view the bearing may change only as fast as (edge - theta) / guard time: so an edge is

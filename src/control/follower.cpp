@@ -73,7 +73,8 @@ Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint,
     case Law::pid: return pid_.follow(observation, setpoint, dt_s);
     case Law::fuzzy: break;
   }
-  return config_.profile == Profile::anticipate ? anticipated(observation, setpoint, published, output) : published;
+  return config_.profile == Profile::anticipate ? anticipated(observation, setpoint, published, dt_s, output)
+                                                : published;
 }
 
 Twist Follower::as_published(const Observation& observation, const Setpoint& setpoint, double dt_s,
@@ -85,7 +86,7 @@ Twist Follower::as_published(const Observation& observation, const Setpoint& set
 }
 
 Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
-                            FollowerOutput& output) {
+                            double dt_s, FollowerOutput& output) {
   own_.advance_to(observation.utime);
   if (!leader_.started()) own_.set_origin();
   leader_.update(observation, own_.pose());
@@ -108,7 +109,8 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   wanted.linear_mps = (1.0 - trusted) * published.linear_mps + trusted * anticipation.wanted.linear_mps;
   wanted.angular_radps = (1.0 - trusted) * published.angular_radps + trusted * anticipation.wanted.angular_radps;
   const Reaction reaction{config_.limits, delay_s};
-  wanted.linear_mps = std::min(wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader));
+  wanted.linear_mps = std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
+                                eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, dt_s)});
   return keep_in_view(config_.anticipate, config_.view, reaction, leader, wanted);
 }
 

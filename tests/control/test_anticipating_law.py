@@ -122,6 +122,23 @@ def test_from_the_stopping_speed_the_robot_stops_d_min_away(distance_m, sigma_m)
     assert needed_m == pytest.approx(max(0.0, room_m), abs=1e-12)
 
 
+def test_the_top_speed_is_approached_by_a_third_of_the_rest_a_frame_and_never_passed():
+    """Frames of 1/30 s, a time constant of 0.1 s: what is missing to the top speed shrinks to 2/3 with every frame, so
+    after n frames (2/3)^n of it is left; and slowing down is never held up."""
+    missing_mps = 0.1
+    speed = LIMITS.max_linear_mps - missing_mps
+    for frame in range(1, 20):
+        speed = control.eased_speed(CONFIG, LIMITS, previous_mps=speed, dt_s=1 / 30)
+        assert LIMITS.max_linear_mps - speed == pytest.approx(missing_mps * (2 / 3) ** frame, abs=1e-12)
+    assert control.eased_speed(CONFIG, LIMITS, previous_mps=LIMITS.max_linear_mps, dt_s=1 / 30) == LIMITS.max_linear_mps
+
+
+def test_without_an_ease_time_or_after_a_long_pause_the_top_speed_is_free():
+    abrupt = control.AnticipateConfig(ease_time_s=0.0)
+    assert control.eased_speed(abrupt, LIMITS, previous_mps=0.2, dt_s=1 / 30) == LIMITS.max_linear_mps
+    assert control.eased_speed(CONFIG, LIMITS, previous_mps=0.2, dt_s=5.0) == pytest.approx(LIMITS.max_linear_mps)
+
+
 @settings(derandomize=True, max_examples=300)
 @given(distances, bearings, speeds, speeds, st.floats(0.0, 0.6), st.floats(-4.0, 4.0))
 def test_in_the_guarded_time_no_leader_leaves_the_picture(d, theta, radial, tangential, v, w):

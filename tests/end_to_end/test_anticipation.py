@@ -35,17 +35,17 @@ def test_behind_a_steady_leader_it_stands_within_two_millimetres_and_settles_in_
 
 
 @pytest.mark.parametrize("experiment", [LINE, CIRCLE], ids=["line", "circle"])
-def test_on_rendered_pictures_the_error_is_far_below_the_published_law_s_and_the_jerk_about_the_same(experiment):
-    """Six seconds that begin at the paper's distance: anticipation ends at zero where the law as published still stands
-    a tenth of a metre off, and treats the wheels about as well: what is left of the jerk is starting and braking at the
-    limit of 1 m/s^2, one frame of 30 m/s^3 each time, and both laws do both."""
+def test_on_rendered_pictures_the_error_is_far_below_the_published_law_s_and_so_is_the_jerk(experiment):
+    """Eight seconds that begin at the paper's distance: anticipation ends at zero where the law as published still
+    stands a tenth of a metre off, and is kinder to the wheels: the top speed is approached without a jolt, which leaves
+    braking at the limit of 1 m/s^2, one frame of 30 m/s^3."""
     published, anticipated = (
         run_experiment(experiment, profile, "in-process", duration_s=8.0) for profile in ("paper", "anticipate")
     )
     assert abs(published.metrics.standing_error_m) > 0.05
     assert abs(anticipated.metrics.standing_error_m) < 0.005
     assert anticipated.metrics.overshoot_m < 0.020
-    assert anticipated.metrics.rms_jerk_mps3 < 1.1 * published.metrics.rms_jerk_mps3
+    assert anticipated.metrics.rms_jerk_mps3 < published.metrics.rms_jerk_mps3
 
 
 @pytest.mark.parametrize("seed", range(1, 6))

@@ -19,6 +19,7 @@ struct AnticipateConfig {
   double minimum_distance_m = 0.4;  ///< d_min: never so fast that it could not stop before
   double safety_sigmas = 3.0;       ///< k: the distance counts as shorter by so many standard deviations
   double guard_time_s = 0.5;        ///< in which the leader would leave the picture; see keep_in_view
+  double ease_time_s = 0.1;         ///< with which the top speed is approached; see eased_speed
   static const std::vector<Parameter<AnticipateConfig>>& parameters();
 };
 
@@ -49,6 +50,11 @@ Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocity
 
 /// Fastest speed from which the robot can still stop d_min away from a leader that stops dead now. Never negative.
 double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept;
+
+/// Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a jolt. Slowing down is never
+/// eased.
+double eased_speed(const AnticipateConfig& config, const LimitsConfig& limits, double previous_mps,
+                   double dt_s) noexcept;
 
 /// The nearest twist to `wanted` with which the leader, as predicted, approaches the edge of the picture no faster
 /// than it would need to reach it in guard_time_s.

@@ -84,7 +84,7 @@ class Follower {
   /// The paper's law.
   Twist as_published(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
   /// What `anticipate` makes of it.
-  Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
+  Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published, double dt_s,
                     FollowerOutput& output);
   std::int64_t acts_utime(std::int64_t utime) const;
 
