@@ -19,7 +19,7 @@ from pilotfish.errors import BodyLearningError
 FEWEST_FRAMES = 10
 MOST_ROUNDS = 8
 OUTLIER_SIGMAS = 4.0  # RMS over a sighting's eight residuals: 16 times chi-squared's mean of 8
-SIGMA_FLOOR_PX = 0.02  # no detector is better: below, nothing is an outlier
+SIGMA_FLOOR_PX = 0.005  # nobody sees better: below, nothing is an outlier
 FIRST_ROBUST_SCALE_PX = 1.0
 MOST_UNFIT = 0.5  # share of a tag's sightings: above, it is the tag and not the pictures
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pilotfish.core import CameraModel, Frame, Reason
 from pilotfish.errors import BodyLearningError
-from pilotfish.vision import TagDetector
+from pilotfish.vision import TagDetector, TagMeasurement, look_at_tag
 
 MAX_TAGS = 12  # on one body
 FEWEST_SIGHTINGS = 3  # of an id; what is seen more rarely is a misreading
@@ -108,7 +108,14 @@ def collect_sightings(
             )
         tags = [tag for tag in detector.detect(frame.image).tags if tag.id not in ignored_ids]
         ids = [tag.id for tag in tags]
-        found += [(number, tag.id, tag.corners_px) for tag in tags if ids.count(tag.id) == 1]
+        for tag in tags:
+            if ids.count(tag.id) > 1:
+                continue
+            # The detector's corners are off by a tenth of a pixel, in much the same way in every frame; those of the
+            # fitted print are not. A tag that does not fit its print is half hidden, or blurred: better without it.
+            fitted = look_at_tag(frame.image, camera=camera, family=family, id=tag.id, corners_px=tag.corners_px)
+            if isinstance(fitted, TagMeasurement):
+                found.append((number, tag.id, fitted.tag.corners_px))
     if not found:
         raise BodyLearningError(
             f"no {family} tag in any of {read} frames: film nearer (a tag's side should span 40 pixels or more), with "
