@@ -112,3 +112,22 @@ def test_a_wrong_command_line_ends_with_2_and_says_which_word_is_wrong(arguments
     code, said = run(*arguments)
     assert code == 2
     assert wrong in said
+
+
+@pytest.mark.parametrize("option", ["--e", "--ec"])
+@pytest.mark.parametrize("value", ["nan", "inf"])
+def test_nobody_can_say_why_of_what_is_no_number(option, value):
+    code, said = run("explain", SHIPPED, "--e", "0.1", option, value)
+    assert code == 2
+    assert f"{value} is not a number" in said
+
+
+@pytest.mark.parametrize(
+    "arguments", [("convert", SHIPPED), ("plot", SHIPPED, "--out"), ("explain", SHIPPED, "--e", "0.1", "--out")]
+)
+def test_a_file_that_cannot_be_written_is_named_without_a_traceback(arguments, tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    code, said = run(*arguments, tmp_path / "file" / "law.fll")
+    assert code == 74
+    assert str(tmp_path / "file").replace(" ", "") in said.replace(" ", "")
+    assert "Traceback" not in said

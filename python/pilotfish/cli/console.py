@@ -32,6 +32,9 @@ def warn(message: str) -> None:
     _errors.print(f"[yellow]warning:[/] {escape(message)}", soft_wrap=True)
 
 
+IO_ERROR = 74  # exit code, of sysexits.h
+
+
 @contextmanager
 def friendly_errors() -> Iterator[None]:
     """One message that says what to do, and the error's exit code, instead of a traceback. Our own mistakes
@@ -41,3 +44,8 @@ def friendly_errors() -> Iterator[None]:
     except PilotfishError as error:
         _errors.print(f"[bold red]pilotfish:[/] {escape(str(error))}", soft_wrap=True)
         raise typer.Exit(error.exit_code) from error
+    except OSError as error:
+        if error.filename is None:
+            raise  # no file of the user's
+        _errors.print(f"[bold red]pilotfish:[/] {escape(f'{error.filename}: {error.strerror}')}", soft_wrap=True)
+        raise typer.Exit(IO_ERROR) from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +24,12 @@ FileArgument = Annotated[
     Path, typer.Argument(exists=True, dir_okay=False, help="Fuzzy sets and rules: our .yaml, or fuzzylite's .fll.")
 ]
 FINDINGS = 1  # exit code of check
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise typer.BadParameter(f"{value} is not a number that a rule could fire at")
+    return value
 
 
 @app.command()
@@ -99,8 +106,8 @@ def plot(
 @app.command()
 def explain(
     file: FileArgument,
-    error: Annotated[float, typer.Option("--e", help="The error, on its universe.")],
-    error_change: Annotated[float, typer.Option("--ec", help="Its change, on its universe.")] = 0.0,
+    error: Annotated[float, typer.Option("--e", callback=_finite, help="The error, on its universe.")],
+    error_change: Annotated[float, typer.Option("--ec", callback=_finite, help="Its change, on its universe.")] = 0.0,
     width_error: Annotated[float, typer.Option(min=0.0, help="Width of the input A' of eq. (6); 0: singleton.")] = 0.0,
     width_error_change: Annotated[float, typer.Option(min=0.0, help="Width of B'.")] = 0.0,
     out: Annotated[Path | None, typer.Option("--out", dir_okay=False, help="Draw it, into this file.")] = None,
