@@ -40,7 +40,7 @@ class Effort:
     repeats: int = 5  # of each of ViSP's pictures
     without_leader: int = 10_000
     scenes: int = 40  # that frames without a leader are made of
-    resolutions: int = 24  # a frame size
+    resolutions: int = 60  # a frame size
 
 
 QUICK = Effort(vga=4, hd=2, drive=10, lens=3, far=4, head_on=4, repeats=2, without_leader=100, scenes=4, resolutions=2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from bench.vision.runs import Eye, compare
+from bench.vision.runs import Contest, Eye, compare_in_turns
 from bench.vision.scenes import Motion, camera_of
 from bench.vision.sequences import sequence
 from bench.vision.summary import Figures
@@ -20,9 +20,9 @@ def cost_by_resolution(
     seed: int,
     on_frame: Callable[[], None],
 ) -> dict[str, dict[str, Figures]]:
-    """By frame size ("640x480") and eye."""
-    figures = {}
+    """By frame size ("640x480") and eye. The sizes take turns, as their times are compared."""
+    contests = {}
     for width, height in SIZES:
         camera = camera_of(width, height, 600.0)
-        figures[f"{width}x{height}"] = compare(eyes_for(camera), sequence(camera, MOTION, count, seed), on_frame)
-    return figures
+        contests[f"{width}x{height}"] = Contest(eyes_for(camera), sequence(camera, MOTION, count, seed))
+    return compare_in_turns(contests, on_frame)

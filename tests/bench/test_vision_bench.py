@@ -18,7 +18,7 @@ from bench.vision.answers import Answer, errors_of, heading_of, normal_of
 from bench.vision.cli import app
 from bench.vision.goals import at_most, below, wrong_leader_goals
 from bench.vision.lens import visp_coefficients
-from bench.vision.runs import BURST, compare
+from bench.vision.runs import BURST, Contest, compare, compare_in_turns
 from bench.vision.summary import as_json, figures_of, percentile, ratio, share_beyond
 from bench.vision.units import fraction, mm
 from bench.vision.visp_images import medians
@@ -250,6 +250,29 @@ def test_all_eyes_see_the_same_frames_each_first_in_its_turn():
     for eye in "abc":
         assert [(shade, utime) for name, shade, utime in calls if name == eye] == [(k, k) for k in range(count)]
     assert {name: of_eye.frames for name, of_eye in figures.items()} == {"a": count, "b": count, "c": count}
+
+
+def test_contests_take_turns_burst_by_burst_until_the_longest_ends():
+    calls = []
+
+    class Eye:
+        name = "eye"
+
+        def __init__(self, contest):
+            self.contest = contest
+
+        def look(self, image, utime):
+            calls.append(self.contest)
+            return Answer(1)
+
+    def pictures(count):
+        return [scenes.Picture(np.zeros((1, 1), np.uint8), scenes.tag_pose(1.0), k) for k in range(count)]
+
+    figures = compare_in_turns(
+        {"long": Contest([Eye("long")], pictures(2 * BURST + 1)), "short": Contest([Eye("short")], pictures(BURST))}
+    )
+    assert calls == ["long"] * BURST + ["short"] * BURST + ["long"] * (BURST + 1)
+    assert {name: by_eye["eye"].frames for name, by_eye in figures.items()} == {"long": 2 * BURST + 1, "short": BURST}
 
 
 def test_the_first_frames_of_the_bursts_have_a_figure_of_their_own():
