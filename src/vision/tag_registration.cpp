@@ -41,7 +41,8 @@ constexpr double kAtHome_outliers = 0.1;    ///< or more of its samples
 constexpr double kLeastNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
 constexpr double kNotAtRest_px = 0.1;       ///< a last step that does
 constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are looked at pixel by pixel
-constexpr int kCoarseSamples = 150, kFineSamples = 300;
+constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
+constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
 constexpr double kOutlier_sigmas = 3.0;
 
@@ -297,7 +298,7 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
     take(kCoarseSamples);
     if (!(step_once(task, extra_blur, true, fit) < kNear_px)) return false;
   }
-  take(kFineSamples);
+  take(task.cell_px > kLargeCell_px ? kManySamples : kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
   for (int i = 0; i < 6; ++i) {
