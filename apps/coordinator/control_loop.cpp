@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "frame_clock.hpp"
+#include "latency_watch.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "stop_signal.hpp"
 #include "translate.hpp"
@@ -18,22 +19,25 @@ double seconds(MonotonicClock::duration duration) { return std::chrono::duration
 /// Everything that leaves the program, in the order command (the wheels wait), observation, status, log, JSON.
 class Reporter {
  public:
-  Reporter(const LoopConfig& config, const Coordinator& coordinator, bus::Bus& bus)
-      : config_(config), coordinator_(coordinator), bus_(bus) {}
+  Reporter(const LoopConfig& config, const Coordinator& coordinator, bus::Bus& bus, const Refused& refused)
+      : config_(config), coordinator_(coordinator), bus_(bus), refused_(refused) {}
 
   void report(const StepResult& result, std::int64_t image_utime, const StepTiming& timing) {
     bus_.publish(config_.robot, command_report(result, image_utime, ++counter_));
     bus_.publish(config_.robot, observation_report(result, timing));
     bus::StatusReport status = status_report(result, coordinator_, timing, bus_.rejected());
+    status.configured_latency_s = config_.configured_latency_s;
     status.rejected["frames_stale"] = stale_;
+    if (refused_.own_motion > 0) status.rejected["own_motion_unusable"] = refused_.own_motion;
+    if (refused_.announcement > 0) status.rejected["announcement_unusable"] = refused_.announcement;
     bus_.publish(config_.robot, status);
     log_change(result);
   }
   void answer_again(const StepResult& result, std::int64_t image_utime) {
     bus_.publish(config_.robot, command_report(result, image_utime, ++counter_));
   }
-  void print(const StepResult& result) const {
-    if (config_.json) std::cout << json_line(result) << std::endl;
+  void print(const StepResult& result, const StepTiming& timing) const {
+    if (config_.json) std::cout << json_line(result, timing) << std::endl;
   }
   void count_stale() { ++stale_; }
 
@@ -56,6 +60,7 @@ class Reporter {
   const LoopConfig& config_;
   const Coordinator& coordinator_;
   bus::Bus& bus_;
+  const Refused& refused_;
   std::int64_t counter_ = 0;
   std::int64_t stale_ = 0;
   bool logged_ = false;
@@ -87,14 +92,16 @@ std::int64_t wall_utime() {
 
 }  // namespace
 
-void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus) {
+void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus,
+                  const Refused& refused) {
   const auto period =
       std::chrono::duration_cast<MonotonicClock::duration>(std::chrono::duration<double>(1.0 / config.frame_rate_hz));
   // A frame that is a little late is no reason for a heartbeat of its own.
   const auto patience = period + period / 2;
   FrameClock clock(wall_utime(), MonotonicClock::now());
   RateMeter rate;
-  Reporter reporter(config, coordinator, bus);
+  Reporter reporter(config, coordinator, bus, refused);
+  LatencyWatch latency(config);
   StepTiming timing;
   auto next_beat = MonotonicClock::now() + patience;
 
@@ -102,7 +109,7 @@ void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordi
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(next_beat - MonotonicClock::now());
     const std::optional<Arrival> arrival = feed.wait(std::max(left, std::chrono::milliseconds(1)));
     if (feed.ended()) break;
-    bus.handle(0);  // setpoints
+    bus.handle(0);  // setpoints, odometry, announcements
 
     if (!arrival) {
       const auto now = MonotonicClock::now();
@@ -129,9 +136,9 @@ void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordi
       result = coordinator.step(arrival->frame);
       timing.processing_s = seconds(MonotonicClock::now() - begin);
     }
-    timing.latency_s = seconds(MonotonicClock::now() - arrival->at);
+    latency.answered(*arrival, clock, timing);
     reporter.report(result, arrival->frame.utime, timing);
-    reporter.print(result);
+    reporter.print(result, timing);
     next_beat = MonotonicClock::now() + patience;
   }
 

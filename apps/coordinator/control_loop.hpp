@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "frame_feed.hpp"
@@ -14,10 +15,18 @@ struct LoopConfig {
   double max_age_s = 0.1;
   bool every_frame = false;  ///< the feed is a file: no heartbeat between its frames
   bool json = false;
+  double configured_latency_s = 0.0;  ///< control.drive.latency_s, to compare with the measured one
+};
+
+/// What was heard on the bus and the coordinator could not use.
+struct Refused {
+  std::int64_t own_motion = 0;
+  std::int64_t announcement = 0;
 };
 
 /// Frames in, commands out, until the feed ends or a stop signal comes; then zeros. All the waiting, the clock reading
 /// and the publishing around Coordinator::step, and nothing else.
-void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus);
+void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus,
+                  const Refused& refused);
 
 }  // namespace pilotfish::apps

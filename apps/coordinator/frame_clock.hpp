@@ -46,7 +46,13 @@ class FrameClock {
     return same_clock_ && std::abs(age_us(arrival)) > static_cast<std::int64_t>(max_age_s * 1e6);
   }
 
-  std::optional<std::int64_t> last_utime() const { return last_utime_; }
+  /// What has passed since the frame's exposure; nothing if its stamp is of another clock. Call after arrived().
+  std::optional<double> since_exposure_s(const Arrival& arrival, MonotonicClock::time_point now) const {
+    if (!same_clock_) return std::nullopt;
+    return static_cast<double>(age_us(arrival) + microseconds(now - arrival.at)) * 1e-6;
+  }
+
+  const std::optional<std::int64_t>& last_utime() const { return last_utime_; }
 
  private:
   /// Stamps closer than this to our wall clock are taken for stamps of our wall clock; decided on the first frame.

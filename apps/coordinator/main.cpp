@@ -31,6 +31,8 @@ config::CoordinatorFile load(const Options& options) {
     throw ConfigError("source", error.what());
   }
   if (options.tuning) config::load_tuning(*options.tuning, file.coordinator.control);
+  if (options.odometry) file.odometry = config::odometry_from(*options.odometry);
+  if (options.announcements_from) file.announcements_from = config::announcements_from(*options.announcements_from);
   if (options.law) file.coordinator.control.active_law = control::law_from(*options.law);
   if (options.profile) file.coordinator.control.profile = control::profile_from(*options.profile);
   return file;
@@ -50,6 +52,10 @@ void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
   spdlog::info("fuzzy law {}: {} rules; limits {:.2f} m/s, {:.2f} m/s2, {:.2f} rad/s", config.control.law.name,
                config.control.law.rules.size(), config.control.limits.max_linear_mps,
                config.control.limits.max_linear_acceleration_mps2, config.control.limits.max_angular_radps);
+  if (file.odometry == config::Odometry::pose)
+    spdlog::info("own motion: odometry on {}", bus::channel(file.name, "POSE"));
+  if (!file.announcements_from.empty())
+    spdlog::info("announcements of the leader on {}", bus::channel(file.announcements_from, "MOTION"));
   spdlog::info("bus {} (receive buffer {} bytes)", bus.url(), bus.receive_buffer_bytes());
 }
 
@@ -100,22 +106,36 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
+/// Everything that a coordinator may be told between frames.
+void listen(const config::CoordinatorFile& file, bus::Bus& bus, Coordinator& coordinator, Refused& refused) {
+  bus.on_setpoint(file.name, [&](const Setpoint& setpoint) {
+    if (!coordinator.set_setpoint(setpoint)) return;
+    spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}", setpoint.distance_m, degrees(setpoint.bearing_rad),
+                 setpoint.run ? "run" : "stop");
+  });
+  if (file.odometry == config::Odometry::pose)
+    bus.on_pose(file.name, [&](const bus::MotionReport& own) {
+      if (!coordinator.set_own_motion(own.utime, own.twist)) ++refused.own_motion;
+    });
+  if (!file.announcements_from.empty())
+    bus.on_motion(file.announcements_from, [&](const bus::MotionReport& leader) {
+      if (!coordinator.set_announced_motion(leader.utime, leader.twist)) ++refused.announcement;
+    });
+}
+
 int run(const Options& options) {
   const config::CoordinatorFile file = load(options);
   Coordinator coordinator(file.coordinator);
+  Refused refused;
   try {
     bus::Bus bus(options.lcm_url);
     OpenedFeed source = open_feed(file, bus);
-    bus.on_setpoint(file.name, [&](const Setpoint& setpoint) {
-      if (!coordinator.set_setpoint(setpoint)) return;
-      spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}", setpoint.distance_m, degrees(setpoint.bearing_rad),
-                   setpoint.run ? "run" : "stop");
-    });
+    listen(file, bus, coordinator, refused);
     announce(file, bus);
     spdlog::info("ready: {}", source.description);
-    const LoopConfig loop{file.name, file.frame_rate_hz, file.coordinator.safety.max_age_s, source.every_frame,
-                          options.json};
-    control_loop(loop, *source.feed, coordinator, bus);
+    const LoopConfig loop{file.name,          file.frame_rate_hz, file.coordinator.safety.max_age_s,
+                          source.every_frame, options.json,       file.coordinator.control.drive.latency_s};
+    control_loop(loop, *source.feed, coordinator, bus, refused);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());
   } catch (const capture::CaptureError& error) {

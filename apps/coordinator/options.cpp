@@ -59,6 +59,10 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--profile", options.profile, "how the fuzzy law drives: as published, or around a feed-forward")
       ->check(CLI::IsMember({"paper", "anticipate"}));
   app.add_option("--tuning", options.tuning, "parameters of the law, as pilotfish tune writes them; they win");
+  app.add_option("--odometry", options.odometry, "where the own twist is measured: nowhere, or on NAME_POSE")
+      ->check(CLI::IsMember({"none", "pose"}));
+  app.add_option("--announcements-from", options.announcements_from,
+                 "the leader's name on the bus, to hear what it announces on its NAME_MOTION; none: nobody");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
   app.add_flag("--describe-config", options.describe_config,
                "print every key of the configuration as Markdown and end");

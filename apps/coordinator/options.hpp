@@ -20,6 +20,8 @@ struct Options {
   std::optional<std::string> law;
   std::optional<std::string> profile;
   std::optional<std::string> tuning;
+  std::optional<std::string> odometry;
+  std::optional<std::string> announcements_from;
   std::string lcm_url;
   bool json = false;
   bool describe_config = false;

@@ -25,10 +25,20 @@ bus::StatusReport status_report(const StepResult& result, const Coordinator& coo
     report.error_change_m = velocity.error_change_m;
     report.output = velocity.inference.output;
     report.strengths = velocity.inference.strengths;
+    report.trust = result.control->trust;
+    report.own_motion = static_cast<std::int8_t>(result.control->own_motion);
+    report.announcement = static_cast<std::int8_t>(result.control->announcement);
+    if (const auto& leader = result.control->leader) {
+      report.leader_radial_mps = leader->radial_mps;
+      report.leader_tangential_mps = leader->tangential_mps;
+      report.leader_turn_rate_radps = leader->turn_rate_radps;
+    }
   }
   report.setpoint = coordinator.setpoint();
   report.frame_rate_hz = timing.frame_rate_hz;
   report.processing_ms = timing.processing_s * 1e3;
+  report.latency_s = timing.median_latency_s;
+  report.latency_from_exposure = timing.from_exposure;
   report.rejected = rejected_by_bus;
   const vision::RejectionCounters& rejected = coordinator.rejected();
   const auto count = [&report](const char* name, std::int64_t value) {
@@ -50,7 +60,7 @@ bus::StatusReport status_report(const StepResult& result, const Coordinator& coo
   return report;
 }
 
-std::string json_line(const StepResult& result) {
+std::string json_line(const StepResult& result, const StepTiming& timing) {
   nlohmann::ordered_json json;
   json["utime"] = result.utime;
   json["status"] = std::string(to_string(result.status));
@@ -80,12 +90,23 @@ std::string json_line(const StepResult& result) {
   json["linear_mps"] = result.command.linear_mps;
   json["angular_radps"] = result.command.angular_radps;
   const auto decided = [&](const char* key, auto value_of) {
-    json[key] =
-        result.control ? nlohmann::ordered_json(value_of(result.control->velocity)) : nlohmann::ordered_json(nullptr);
+    json[key] = result.control ? nlohmann::ordered_json(value_of(*result.control)) : nlohmann::ordered_json(nullptr);
   };
-  decided("error_m", [](const control::VelocityCommand& v) { return v.error_m; });
-  decided("error_change_m", [](const control::VelocityCommand& v) { return v.error_change_m; });
-  decided("output", [](const control::VelocityCommand& v) { return v.inference.output; });
+  decided("error_m", [](const control::FollowerOutput& o) { return o.velocity.error_m; });
+  decided("error_change_m", [](const control::FollowerOutput& o) { return o.velocity.error_change_m; });
+  decided("output", [](const control::FollowerOutput& o) { return o.velocity.inference.output; });
+  decided("trust", [](const control::FollowerOutput& o) { return o.trust; });
+  decided("own_motion", [](const control::FollowerOutput& o) { return std::string(to_string(o.own_motion)); });
+  decided("announcement", [](const control::FollowerOutput& o) { return std::string(to_string(o.announcement)); });
+  const bool estimated = result.control && result.control->leader;
+  const auto leader = [&](const char* key, double control::LeaderMotion::*value) {
+    json[key] = estimated ? nlohmann::ordered_json((*result.control->leader).*value) : nlohmann::ordered_json(nullptr);
+  };
+  leader("leader_radial_mps", &control::LeaderMotion::radial_mps);
+  leader("leader_tangential_mps", &control::LeaderMotion::tangential_mps);
+  leader("leader_turn_rate_radps", &control::LeaderMotion::turn_rate_radps);
+  json["latency_s"] = timing.median_latency_s;
+  json["latency_from_exposure"] = timing.from_exposure;
   return json.dump();
 }
 

@@ -62,7 +62,7 @@ int run(const SimOptions& options) {
   try {
     bus::Bus bus(options.lcm_url);
     announce(world.scenario(), bus, options.real_time);
-    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr);
+    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr, options.announce);
     summarise(options.real_time ? stage.play_in_real_time() : stage.play_in_lockstep(), world);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());

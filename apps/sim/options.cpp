@@ -17,7 +17,8 @@ Examples
   pilotfish-sim --scenario data/scenarios/star.yaml --lcm-url 'udpm://239.255.76.67:7700?ttl=0'
       on a bus of its own: another port, which the coordinators have to be told too
 
-Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE; each robot that follows another is
+Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --announce every leader's
+twist on NAME_MOTION; each robot that follows another is
 driven by what comes in on NAME_COMMAND. A setpoint in the scenario is sent on NAME_SETPOINT before the first picture.
 
 Ends with 0 when the scenario is over or on SIGINT/SIGTERM, 64 on a wrong command line, 69 if the bus or the recording
@@ -36,6 +37,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
                                  "pictures at the pace of the clock, delivered after the camera's latency");
   app.add_flag("--lockstep", lockstep, "wait for the answer to each picture: repeatable bit for bit (the default)")
       ->excludes(real_time);
+  app.add_flag("--announce", options.announce, "robots that others follow say on NAME_MOTION how they move");
   app.add_option("--record", options.record_path,
                  "CSV file for the truth and the commands, one row per robot and frame");
   app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(CLI::PositiveNumber);

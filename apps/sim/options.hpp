@@ -10,6 +10,7 @@ struct SimOptions {
   std::string lcm_url;
   std::string record_path;
   bool real_time = false;
+  bool announce = false;
   std::optional<double> duration_s;
   std::optional<int> seed;
   double wait_s = 10.0;

@@ -37,11 +37,16 @@ NoAnswer no_answer(const std::vector<std::string>& robots, double waited_s, cons
 
 }  // namespace
 
-Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv)
+Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, bool announce)
     : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv) {
   for (const sim::RobotSpec& robot : world_.scenario().robots)
     if (!robot.follows.empty()) followers_.push_back(robot.name);
-  for (const std::string& robot : followers_) answers_[robot] = {};
+  for (const std::string& robot : followers_) {
+    answers_[robot] = {};
+    const auto [leader, is_new] = announcers_.emplace(world_.scenario().find(robot)->follows, latency_s(robot));
+    if (!is_new) leader->second = std::min(leader->second, latency_s(robot));
+  }
+  if (!announce) announcers_.clear();
   if (csv_ != nullptr) sim::write_recording_header(*csv_);
   last_progress_s_ = monotonic_s();
 }
@@ -51,6 +56,19 @@ void Stage::publish_poses() {
     const sim::UnicycleState state = world_.state(robot.name);
     bus_.publish(robot.name,
                  bus::PoseReport{world_.utime(), state.pose.x_m, state.pose.y_m, state.pose.heading_rad, state.twist});
+  }
+}
+
+void Stage::publish_motions(bool until_delivery) {
+  for (const auto& [name, latency_s] : announcers_) {
+    const sim::RobotSpec& leader = *world_.scenario().find(name);
+    if (leader.trajectory && until_delivery) {
+      const double then_s = world_.time_s() + latency_s;
+      const std::int64_t utime = sim::kStartUtime + std::llround(then_s * 1e6);
+      bus_.publish(name, bus::MotionReport{utime, sim::state_at(*leader.trajectory, leader.start, then_s).twist});
+    } else {
+      bus_.publish(name, bus::MotionReport{world_.utime(), world_.state(name).twist});
+    }
   }
 }
 
@@ -103,6 +121,7 @@ Played Stage::play_in_lockstep() {
   while (played_.frames < frames && !stop_requested()) {
     world_.advance_to(exposure_s(played_.frames));
     publish_poses();
+    publish_motions(true);
     std::map<std::string, Frame> pictures;
     for (const std::string& robot : followers_) {
       const std::optional<Frame> picture = expose(robot);
@@ -146,6 +165,7 @@ void Stage::wait_until_all_are_heard() {
 
 void Stage::expose_all() {
   publish_poses();
+  publish_motions(false);
   for (const std::string& robot : followers_) {
     if (played_.frames < kSetpointCopies) publish_setpoint(robot);
     if (const std::optional<Frame> picture = expose(robot))

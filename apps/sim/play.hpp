@@ -31,8 +31,8 @@ struct Played {
 /// A world on the bus. One of the two play functions is called once.
 class Stage {
  public:
-  /// `csv` may be nullptr; else it outlives the stage.
-  Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv);
+  /// `csv` may be nullptr; else it outlives the stage. `announce`: leaders say how they move.
+  Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, bool announce);
 
   /// Exposure by exposure: pictures out, wait for the command that answers each (its utime is the picture's),
   /// let it act one latency after the exposure, go on. Throws NoAnswer.
@@ -42,6 +42,9 @@ class Stage {
 
  private:
   void publish_poses();
+  /// How each leader moves now or, `until_delivery`, when the first picture that is exposed now reaches a follower: in
+  /// lock-step that takes no time, and on a robot it does.
+  void publish_motions(bool until_delivery);
   void publish_setpoint(const std::string& robot);
   void publish_image(const std::string& robot, const Frame& frame);
   std::optional<Frame> expose(const std::string& robot);
@@ -58,7 +61,8 @@ class Stage {
   double wait_s_;
   std::ostream* csv_;
   std::vector<std::string> followers_;
-  struct UnderWay {  // a picture between its exposure and its delivery
+  std::map<std::string, double> announcers_;  ///< leaders who say how they move, and their followers' least latency [s]
+  struct UnderWay {                           // a picture between its exposure and its delivery
     double due_s;
     std::string robot;
     Frame frame;

@@ -41,8 +41,19 @@ void bind_reports(py::module_& m) {
       .def(py::init([](std::int64_t utime, Status status, Reason reason, double error_m, double error_change_m,
                        double output, const std::array<double, kStatusRules>& strengths, const Setpoint& setpoint,
                        double frame_rate_hz, double processing_ms, std::map<std::string, std::int64_t> rejected) {
-             return StatusReport{utime,     status,   reason,        error_m,       error_change_m,     output,
-                                 strengths, setpoint, frame_rate_hz, processing_ms, std::move(rejected)};
+             StatusReport report;
+             report.utime = utime;
+             report.status = status;
+             report.reason = reason;
+             report.error_m = error_m;
+             report.error_change_m = error_change_m;
+             report.output = output;
+             report.strengths = strengths;
+             report.setpoint = setpoint;
+             report.frame_rate_hz = frame_rate_hz;
+             report.processing_ms = processing_ms;
+             report.rejected = std::move(rejected);
+             return report;
            }),
            py::kw_only(), py::arg("utime"), py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
            py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"), py::arg("error_m") = 0.0,
@@ -58,6 +69,15 @@ void bind_reports(py::module_& m) {
       .def_readwrite("output", &StatusReport::output)
       .def_readwrite("strengths", &StatusReport::strengths)
       .def_readwrite("setpoint", &StatusReport::setpoint)
+      .def_readwrite("trust", &StatusReport::trust)
+      .def_readwrite("leader_radial_mps", &StatusReport::leader_radial_mps)
+      .def_readwrite("leader_tangential_mps", &StatusReport::leader_tangential_mps)
+      .def_readwrite("leader_turn_rate_radps", &StatusReport::leader_turn_rate_radps)
+      .def_readwrite("own_motion", &StatusReport::own_motion)
+      .def_readwrite("announcement", &StatusReport::announcement)
+      .def_readwrite("latency_s", &StatusReport::latency_s)
+      .def_readwrite("latency_from_exposure", &StatusReport::latency_from_exposure)
+      .def_readwrite("configured_latency_s", &StatusReport::configured_latency_s)
       .def_readwrite("frame_rate_hz", &StatusReport::frame_rate_hz)
       .def_readwrite("processing_ms", &StatusReport::processing_ms)
       .def_readwrite("rejected", &StatusReport::rejected);
@@ -73,6 +93,14 @@ void bind_reports(py::module_& m) {
       .def_readwrite("y_m", &PoseReport::y_m)
       .def_readwrite("heading_rad", &PoseReport::heading_rad)
       .def_readwrite("velocity", &PoseReport::velocity);
+
+  py::class_<MotionReport>(m, "MotionReport", "A robot's twist at a time: pilotfish.motion_t.")
+      .def(py::init([](std::int64_t utime, const Twist& twist) {
+             return MotionReport{utime, twist};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("twist") = Twist{})
+      .def_readwrite("utime", &MotionReport::utime)
+      .def_readwrite("twist", &MotionReport::twist);
 }
 
 }  // namespace
@@ -103,6 +131,8 @@ PYBIND11_MODULE(bus, m) {
            py::arg("robot"), py::arg("report"), Release())
       .def("publish_pose", py::overload_cast<const std::string&, const PoseReport&>(&Bus::publish), py::arg("robot"),
            py::arg("report"), Release())
+      .def("publish_motion", py::overload_cast<const std::string&, const MotionReport&>(&Bus::publish),
+           py::arg("robot"), py::arg("report"), Release())
       .def("publish_setpoint", py::overload_cast<const std::string&, const Setpoint&, std::int64_t>(&Bus::publish),
            py::arg("robot"), py::arg("setpoint"), py::kw_only(), py::arg("utime"), Release(),
            "Raises ValueError if the setpoint is out of bounds.")
@@ -111,6 +141,9 @@ PYBIND11_MODULE(bus, m) {
       .def("on_image", &Bus::on_image, py::arg("channel"), py::arg("handler"), Release(), "handler(frame)")
       .def("on_setpoint", &Bus::on_setpoint, py::arg("robot"), py::arg("handler"), Release(), "handler(setpoint)")
       .def("on_command", &Bus::on_command, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
+      .def("on_pose", &Bus::on_pose, py::arg("robot"), py::arg("handler"), Release(),
+           "handler(report): what NAME_POSE says of the robot's speed and turn rate")
+      .def("on_motion", &Bus::on_motion, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def("handle", &Bus::handle, py::arg("timeout_ms"), Release(),
            "Waits up to timeout_ms, then calls the handlers for all messages that have come; returns how "
            "many. A "

@@ -10,11 +10,17 @@ using namespace pilotfish::python;
 namespace {
 
 void bind_estimator(py::module_& m) {
+  py::enum_<OwnMotionSource>(m, "OwnMotionSource", "Where the own motion is taken from.")
+      .value("commanded", OwnMotionSource::commanded)
+      .value("odometry", OwnMotionSource::odometry);
   py::class_<OwnMotion>(m, "OwnMotion", "Dead reckoning through a model of the drive, in an odometry frame.")
       .def(py::init<const DriveModelConfig&, const LimitsConfig&>(), py::arg("drive") = DriveModelConfig{},
            py::arg("limits") = LimitsConfig{})
       .def("command", &OwnMotion::command, py::arg("twist"), py::arg("acts_utime"))
+      .def("measured", &OwnMotion::measured, py::arg("utime"), py::arg("twist"),
+           "What odometry says; False if it cannot be used.")
       .def("advance_to", &OwnMotion::advance_to, py::arg("utime"))
+      .def_property_readonly("source", &OwnMotion::source)
       .def_property_readonly(
           "pose",
           [](const OwnMotion& own) {
@@ -25,6 +31,11 @@ void bind_estimator(py::module_& m) {
       .def_property_readonly("twist", &OwnMotion::twist, "the real one, behind the commands");
 
   py::class_<LeaderEstimate>(m, "LeaderEstimate", "(x, y, vx, vy, heading, turn rate) in the odometry frame.")
+      .def(py::init([](const std::array<double, 6>& mean, const DoubleArray& covariance) {
+             return LeaderEstimate{Eigen::Map<const LeaderVector>(mean.data()),
+                                   to_matrix<6, 6>(covariance, "covariance")};
+           }),
+           py::arg("mean"), py::arg("covariance"))
       .def_property_readonly("mean", [](const LeaderEstimate& e) { return py::array_t<double>(6, e.mean.data()); })
       .def_property_readonly(
           "covariance", [](const LeaderEstimate& e) { return to_array(e.covariance); }, "(6, 6)");
@@ -32,9 +43,8 @@ void bind_estimator(py::module_& m) {
       "predict_leader",
       [](const std::array<double, 6>& mean, const DoubleArray& covariance, double velocity_sigma, double turn_sigma,
          double position_sigma, double dt_s) {
-        LeaderEstimate estimate;
-        estimate.mean = Eigen::Map<const LeaderVector>(mean.data());
-        estimate.covariance = to_matrix<6, 6>(covariance, "covariance");
+        const LeaderEstimate estimate{Eigen::Map<const LeaderVector>(mean.data()),
+                                      to_matrix<6, 6>(covariance, "covariance")};
         return predict_leader(estimate, velocity_sigma, turn_sigma, position_sigma, dt_s);
       },
       py::arg("mean"), py::arg("covariance"), py::kw_only(), py::arg("velocity_sigma"), py::arg("turn_sigma"),
@@ -77,6 +87,32 @@ void bind_estimator(py::module_& m) {
         return seen_from({own[0], own[1], own[2]}, leader);
       },
       py::arg("own_pose"), py::arg("leader"), "LeaderMotion of an estimate, from (x_m, y_m, heading_rad).");
+}
+
+void bind_announcement(py::module_& m) {
+  bind_parameters<AnnouncementConfig>(m, "AnnouncementConfig", "How much a leader's own word counts.");
+  py::enum_<AnnouncementUse>(m, "AnnouncementUse", "What the leader's word was worth in this frame.")
+      .value("silent", AnnouncementUse::silent)
+      .value("probation", AnnouncementUse::probation)
+      .value("agrees", AnnouncementUse::agrees)
+      .value("used", AnnouncementUse::used)
+      .value("suspended", AnnouncementUse::suspended);
+  py::class_<AnnouncedMotion>(m, "AnnouncedMotion", "The twist a leader announces of itself, and what it is worth.")
+      .def(py::init<const AnnouncementConfig&>(), py::arg("config") = AnnouncementConfig{})
+      .def("announce", &AnnouncedMotion::announce, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
+      .def(
+          "judge",
+          [](AnnouncedMotion& self, const LeaderEstimate& seen, const std::array<double, 3>& own, std::int64_t utime) {
+            return self.judge(seen, {own[0], own[1], own[2]}, utime);
+          },
+          py::arg("seen"), py::arg("own_pose"), py::arg("utime"), "Once a frame: AnnouncementUse.")
+      .def(
+          "slowed",
+          [](const AnnouncedMotion& self, const LeaderEstimate& seen) {
+            return self.heard() ? self.slowed(seen) : seen;
+          },
+          py::arg("seen"), "The estimate as slow as announced.")
+      .def("reset", &AnnouncedMotion::reset);
 }
 
 void bind_anticipation(py::module_& m) {
@@ -137,22 +173,24 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("inference", &VelocityCommand::inference);
 
   bind_estimator(m);
+  bind_announcement(m);
   bind_anticipation(m);
 
   py::class_<FollowerConfig>(m, "FollowerConfig", "Everything a Follower needs.")
       .def(py::init([](const fuzzy::Controller& law, Profile profile, const FuzzyVelocityConfig& velocity,
                        const HeadingControllerConfig& heading, const LimitsConfig& limits,
                        const AnticipateConfig& anticipate, const LeaderMotionConfig& leader_motion,
-                       const DriveModelConfig& drive, Law active_law, const PbvsConfig& pbvs, const PidConfig& pid) {
-             return FollowerConfig{profile,       law,   velocity,   heading, limits, anticipate,
-                                   leader_motion, drive, active_law, pbvs,    pid,    {}};
+                       const DriveModelConfig& drive, Law active_law, const PbvsConfig& pbvs, const PidConfig& pid,
+                       const AnnouncementConfig& announcement) {
+             return FollowerConfig{profile, law,        velocity, heading, limits, anticipate,  leader_motion,
+                                   drive,   active_law, pbvs,     pid,     {},     announcement};
            }),
            py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
            py::arg("velocity") = FuzzyVelocityConfig{}, py::arg("heading") = HeadingControllerConfig{},
            py::arg("limits") = LimitsConfig{}, py::arg("anticipate") = AnticipateConfig{},
            py::arg("leader_motion") = LeaderMotionConfig{}, py::arg("drive") = DriveModelConfig{},
            py::arg_v("active_law", Law::fuzzy, "Law.fuzzy"), py::arg("pbvs") = PbvsConfig{},
-           py::arg("pid") = PidConfig{})
+           py::arg("pid") = PidConfig{}, py::arg("announcement") = AnnouncementConfig{})
       .def_readwrite("profile", &FollowerConfig::profile)
       .def_readwrite("law", &FollowerConfig::law)
       .def_readwrite("velocity", &FollowerConfig::velocity)
@@ -164,17 +202,22 @@ PYBIND11_MODULE(control, m) {
       .def_readwrite("active_law", &FollowerConfig::active_law)
       .def_readwrite("pbvs", &FollowerConfig::pbvs)
       .def_readwrite("pid", &FollowerConfig::pid)
+      .def_readwrite("announcement", &FollowerConfig::announcement)
       .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")
       .def_readonly("command", &FollowerOutput::command)
       .def_readonly("velocity", &FollowerOutput::velocity)
       .def_readonly("leader", &FollowerOutput::leader, "LeaderMotion as predicted, or None")
-      .def_readonly("trust", &FollowerOutput::trust, "share of the feed-forward in the command");
+      .def_readonly("trust", &FollowerOutput::trust, "share of the feed-forward in the command")
+      .def_readonly("own_motion", &FollowerOutput::own_motion)
+      .def_readonly("announcement", &FollowerOutput::announcement);
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"))
       .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"))
+      .def("set_own_motion", &Follower::set_own_motion, py::arg("utime"), py::arg("twist"))
+      .def("set_announced_motion", &Follower::set_announced_motion, py::arg("utime"), py::arg("twist"))
       .def("restart", &Follower::restart, py::arg("since_utime"),
            "Forget the past: from then on the robot is told to stand still.");
 

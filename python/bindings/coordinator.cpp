@@ -27,6 +27,10 @@ void bind_config(py::module_& m) {
   py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
       .def_readonly("name", &config::CoordinatorFile::name)
       .def_readonly("source", &config::CoordinatorFile::source)
+      .def_property_readonly(
+          "odometry",
+          [](const config::CoordinatorFile& file) { return file.odometry == config::Odometry::pose ? "pose" : "none"; })
+      .def_readonly("announcements_from", &config::CoordinatorFile::announcements_from, "empty: nobody")
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
@@ -74,6 +78,10 @@ PYBIND11_MODULE(coordinator, m) {
            "What holds at utime if no newer frame has come; changes nothing.")
       .def("set_setpoint", &Coordinator::set_setpoint, py::arg("setpoint"),
            "False, and the old one stays, if a number is out of range or not finite.")
+      .def("set_own_motion", &Coordinator::set_own_motion, py::arg("utime"), py::arg("twist"),
+           "The own twist as odometry measured it; False if it cannot be used.")
+      .def("set_announced_motion", &Coordinator::set_announced_motion, py::arg("utime"), py::arg("twist"),
+           "The twist the leader announces of itself; False if it cannot be used.")
       .def_property_readonly("setpoint", &Coordinator::setpoint)
       .def_property_readonly("rejected", &Coordinator::rejected);
 }

@@ -166,6 +166,12 @@ void Bus::publish(const std::string& robot, const PoseReport& report) {
   connection_->publish(channel(robot, "POSE"), message, repaired);
 }
 
+void Bus::publish(const std::string& robot, const MotionReport& report) {
+  const std::optional<motion_t> message = encode(report);
+  if (!message) return connection_->count("motion_not_finite");
+  connection_->publish(channel(robot, "MOTION"), *message);
+}
+
 void Bus::publish(const std::string& robot, const Setpoint& setpoint, std::int64_t utime) {
   check_ranges(setpoint, "setpoint");
   connection_->publish(channel(robot, "SETPOINT"), encode(setpoint, utime));
@@ -192,6 +198,14 @@ void Bus::on_setpoint(const std::string& robot, std::function<void(Setpoint)> ha
 
 void Bus::on_command(const std::string& robot, std::function<void(CommandReport)> handler) {
   connection_->subscribe<CommandReport>(channel(robot, "COMMAND"), &decode_command, std::move(handler));
+}
+
+void Bus::on_pose(const std::string& robot, std::function<void(MotionReport)> handler) {
+  connection_->subscribe<MotionReport>(channel(robot, "POSE"), &decode_pose, std::move(handler));
+}
+
+void Bus::on_motion(const std::string& robot, std::function<void(MotionReport)> handler) {
+  connection_->subscribe<MotionReport>(channel(robot, "MOTION"), &decode_motion, std::move(handler));
 }
 
 int Bus::handle(int timeout_ms) {

@@ -82,6 +82,11 @@ bool decode_whole(Message& message, const void* data, std::size_t size_bytes) {
          message.decode(data, 0, static_cast<int>(size_bytes)) == static_cast<int>(size_bytes);
 }
 
+/// Half of the range, as for images, so that whoever subtracts two times cannot overflow.
+bool is_usable_time(std::int64_t utime) { return utime >= 0 && utime <= std::numeric_limits<std::int64_t>::max() / 2; }
+
+constexpr double kUnitWithin = 0.01;  // what rounding to single precision and a sloppy sender leave of 1
+
 bool is_sound_command(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
   constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 2 * 8 + 2 * 8 + 2;
@@ -148,8 +153,17 @@ status_t encode(const StatusReport& report, std::string_view& repaired) {
   message.setpoint_distance_m = finite(report.setpoint.distance_m);
   message.setpoint_bearing_rad = finite(report.setpoint.bearing_rad);
   message.setpoint_run = report.setpoint.run;
+  message.trust = finite(report.trust);
+  message.leader_radial_mps = finite(report.leader_radial_mps);
+  message.leader_tangential_mps = finite(report.leader_tangential_mps);
+  message.leader_turn_rate_radps = finite(report.leader_turn_rate_radps);
+  message.own_motion = report.own_motion;
+  message.announcement = report.announcement;
   message.frame_rate_hz = finite(report.frame_rate_hz);
   message.processing_ms = finite(report.processing_ms);
+  message.latency_s = finite(report.latency_s);
+  message.latency_from_exposure = report.latency_from_exposure;
+  message.configured_latency_s = finite(report.configured_latency_s);
   message.rejected = encode(report.rejected);
   message.rejected_count = static_cast<std::int32_t>(message.rejected.size());
   if (finite.repaired) repaired = "status_not_finite";
@@ -170,6 +184,15 @@ bot_core::pose_t encode(const PoseReport& report, std::string_view& repaired) {
   message.orientation[3] = std::sin(heading_rad / 2.0);
   message.rotation_rate[2] = finite(report.velocity.angular_radps);
   if (finite.repaired) repaired = "pose_not_finite";
+  return message;
+}
+
+std::optional<motion_t> encode(const MotionReport& report) {
+  if (!is_finite(report.twist)) return std::nullopt;
+  motion_t message;
+  message.utime = report.utime;
+  message.linear_mps = report.twist.linear_mps;
+  message.angular_radps = report.twist.angular_radps;
   return message;
 }
 
@@ -210,6 +233,39 @@ Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes) 
     return Result::reject("command_out_of_bounds");
   return Result::accept({message.utime, message.counter, twist, static_cast<Status>(message.status),
                          static_cast<Reason>(message.reason)});
+}
+
+/// With the unit quaternion (w, x, y, z) from body to local, the body's x axis in the local frame is
+///
+///   (1 - 2 (y^2 + z^2),  2 (x y + w z),  2 (x z - w y)),
+///
+/// and the forward speed is the velocity's part along it: (R^T vel).x. The turn rate is the one about the local z.
+Checked<MotionReport> decode_pose(const void* data, std::size_t size_bytes) {
+  using Result = Checked<MotionReport>;
+  bot_core::pose_t message;
+  if (!decode_whole(message, data, size_bytes)) return Result::reject("pose_corrupt");
+  if (!is_usable_time(message.utime)) return Result::reject("pose_time_invalid");
+  const Eigen::Vector4d q(message.orientation);
+  const Eigen::Vector3d velocity(message.vel), rate(message.rotation_rate);
+  if (!q.allFinite() || !velocity.allFinite() || !rate.allFinite()) return Result::reject("pose_not_finite");
+  if (!(std::abs(q.norm() - 1.0) <= kUnitWithin)) return Result::reject("pose_not_a_rotation");
+  if (velocity.cwiseAbs().maxCoeff() > kMaxLinearMps || std::abs(rate.z()) > kMaxAngularRadps)
+    return Result::reject("pose_out_of_bounds");
+  const double w = q(0), x = q(1), y = q(2), z = q(3);
+  const Eigen::Vector3d forward(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y));
+  return Result::accept({message.utime, {forward.dot(velocity), rate.z()}});
+}
+
+Checked<MotionReport> decode_motion(const void* data, std::size_t size_bytes) {
+  using Result = Checked<MotionReport>;
+  motion_t message;
+  if (!decode_whole(message, data, size_bytes)) return Result::reject("motion_corrupt");
+  if (!is_usable_time(message.utime)) return Result::reject("motion_time_invalid");
+  const Twist twist{message.linear_mps, message.angular_radps};
+  if (!is_finite(twist)) return Result::reject("motion_not_finite");
+  if (std::abs(twist.linear_mps) > kMaxLinearMps || std::abs(twist.angular_radps) > kMaxAngularRadps)
+    return Result::reject("motion_out_of_bounds");
+  return Result::accept({message.utime, twist});
 }
 
 }  // namespace pilotfish::bus

@@ -2,7 +2,9 @@
 
 #include <bot_core/pose_t.hpp>
 #include <cstddef>
+#include <optional>
 #include <pilotfish/command_t.hpp>
+#include <pilotfish/motion_t.hpp>
 #include <pilotfish/observation_t.hpp>
 #include <pilotfish/setpoint_t.hpp>
 #include <pilotfish/status_t.hpp>
@@ -23,6 +25,8 @@ observation_t encode(const ObservationReport& report, std::string_view& repaired
 status_t encode(const StatusReport& report, std::string_view& repaired);
 /// Zeros for numbers that are not finite.
 bot_core::pose_t encode(const PoseReport& report, std::string_view& repaired);
+/// Nothing for numbers that are not finite: a zero would say that the robot stands.
+std::optional<motion_t> encode(const MotionReport& report);
 setpoint_t encode(const Setpoint& setpoint, std::int64_t utime);
 
 /// Rejections: setpoint_corrupt, setpoint_not_finite, setpoint_out_of_bounds.
@@ -30,6 +34,12 @@ Checked<Setpoint> decode_setpoint(const void* data, std::size_t size_bytes);
 /// Rejections: command_corrupt, command_not_finite, command_out_of_bounds (velocities no robot of ours has,
 /// or a status or reason that we do not know).
 Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes);
+
+/// Rejections: pose_corrupt, pose_time_invalid, pose_not_finite, pose_not_a_rotation (the orientation is no unit
+/// quaternion), pose_out_of_bounds. Only what makes a twist is looked at.
+Checked<MotionReport> decode_pose(const void* data, std::size_t size_bytes);
+/// Rejections: motion_corrupt, motion_time_invalid, motion_not_finite, motion_out_of_bounds.
+Checked<MotionReport> decode_motion(const void* data, std::size_t size_bytes);
 
 inline constexpr double kMaxLinearMps = 10.0;
 inline constexpr double kMaxAngularRadps = 50.0;

@@ -17,10 +17,12 @@ void read_section(YamlSection& parent, const std::string& key, Config&... config
 }
 
 /// A channel is made of the robot's name, so it must be one word.
-void check_name(const YamlSection& root, const std::string& name) {
+bool is_name(const std::string& name) {
   const auto is_word_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  if (name.empty() || name.size() > 32 || !std::all_of(name.begin(), name.end(), is_word_letter))
-    throw root.error("name", "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores");
+  return !name.empty() && name.size() <= 32 && std::all_of(name.begin(), name.end(), is_word_letter);
+}
+std::string not_a_name(const std::string& name) {
+  return "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores";
 }
 
 void read_camera(YamlSection root, CoordinatorConfig& config) {
@@ -46,12 +48,25 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   read_section(root, "anticipate", config.anticipate);
   read_section(root, "leader_motion", config.leader_motion);
   read_section(root, "drive", config.drive);
+  read_section(root, "announcement", config.announcement);
   read_section(root, "pbvs", config.pbvs);
   read_section(root, "pid", config.pid);
   root.finish();
 }
 
 }  // namespace
+
+std::string announcements_from(const std::string& name) {
+  if (name == "none") return "";
+  if (!is_name(name)) throw ConfigError("announcements_from", not_a_name(name));
+  return name;
+}
+
+Odometry odometry_from(std::string_view name) {
+  if (name == "none") return Odometry::none;
+  if (name == "pose") return Odometry::pose;
+  throw ConfigError("odometry", "'" + std::string(name) + "' is not an odometry; choose none or pose");
+}
 
 void load_tuning(const std::filesystem::path& path, control::FollowerConfig& config) {
   read_control(YamlSection::load(path), config);
@@ -63,8 +78,11 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   CoordinatorConfig& config = file.coordinator;
 
   file.name = root.text("name");
-  check_name(root, file.name);
+  if (!is_name(file.name)) throw root.error("name", not_a_name(file.name));
   if (root.optional("source")) file.source = root.text("source");
+  if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
+  if (root.optional("announcements_from"))
+    file.announcements_from = announcements_from(root.text("announcements_from"));
   if (root.optional("law")) config.control.active_law = control::law_from(root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
   if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);

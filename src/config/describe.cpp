@@ -58,6 +58,8 @@ std::string describe_config() {
          "| `name` | required | the robot's name on the bus: letters, digits, underscores |\n"
          "| `source` | lcm | where frames come from: camera:N, video:FILE, images:DIR, lcm[:CHANNEL], log:FILE |\n"
          "| `frame_rate_hz` | 30 | frames per second expected of the source, 1 to 1000 |\n"
+         "| `odometry` | none | the own twist: none (from the own commands), or pose (measured, on NAME_POSE) |\n"
+         "| `announcements_from` | none | the leader's name on the bus, to hear what it announces on LEADER_MOTION |\n"
          "| `law` | fuzzy | fuzzy, or a peer to compare it with: pbvs (ViSP's visual servo), pid |\n"
          "| `profile` | anticipate | how the fuzzy law drives: paper (as published) or anticipate |\n"
          "| `tuning` | none | file: keys of `control`, as `pilotfish tune` writes them; those in `control` win |\n"
@@ -76,6 +78,7 @@ std::string describe_config() {
   describe_section<control::AnticipateConfig>(out, "control.anticipate");
   describe_section<control::LeaderMotionConfig>(out, "control.leader_motion");
   describe_section<control::DriveModelConfig>(out, "control.drive");
+  describe_section<control::AnnouncementConfig>(out, "control.announcement");
   describe_section<control::PbvsConfig>(out, "control.pbvs");
   describe_section<control::PidConfig>(out, "control.pid");
   describe_section<SafetyConfig>(out, "safety");

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pilotfish/core/utime.hpp"
+
 namespace pilotfish::control {
 
 std::string_view to_string(Law law) noexcept {
@@ -40,13 +42,15 @@ Follower::Follower(FollowerConfig config)
       own_(config_.drive, config_.limits),
       pbvs_(config_.pbvs),
       pid_(config_.pid, config_.limits),
-      leader_(config_.leader_motion) {
+      leader_(config_.leader_motion),
+      announced_(config_.announcement) {
   check_ranges(config_.velocity, "control.velocity");
   check_ranges(config_.heading, "control.heading");
   check_ranges(config_.limits, "control.limits");
   check_ranges(config_.anticipate, "control.anticipate");
   check_ranges(config_.leader_motion, "control.leader_motion");
   check_ranges(config_.drive, "control.drive");
+  check_ranges(config_.announcement, "control.announcement");
   check_ranges(config_.pbvs, "control.pbvs");
   check_ranges(config_.pid, "control.pid");
   fuzzy::prove(config_.law);
@@ -55,7 +59,7 @@ Follower::Follower(FollowerConfig config)
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
   // The first measurement after a rest has no past: ec = 0, and the limits count one control period from standstill.
   const double dt_s =
-      last_utime_ ? static_cast<double>(observation.utime - *last_utime_) * 1e-6 : config_.velocity.control_period_s;
+      last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   FollowerOutput output;
   output.command = limit(config_.limits, wanted(observation, setpoint, dt_s, output), last_command_, dt_s);
 
@@ -94,10 +98,16 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
 
   // A command has taken effect one latency after the exposure and one lag later; that is the moment to think of.
   const double delay_s = config_.drive.latency_s + config_.drive.actuator_lag_s;
-  const std::int64_t effect_utime = observation.utime + static_cast<std::int64_t>(delay_s * 1e6);
+  const std::int64_t effect_utime = later_s(observation.utime, delay_s);
   OwnMotion then = own_;
   then.advance_to(effect_utime);
-  const LeaderMotion leader = seen_from(then.pose(), leader_.at(effect_utime));
+  // Only what this very picture shows can judge an announcement.
+  if (announced_.heard() && leader_.utime() == observation.utime)
+    output.announcement = announced_.judge(leader_.at(observation.utime), own_.pose(), observation.utime);
+  output.own_motion = own_.source();
+  const LeaderMotion seen = seen_from(then.pose(), leader_.at(effect_utime));
+  const LeaderMotion leader =
+      output.announcement == AnnouncementUse::used ? seen_from(then.pose(), slowed_leader(effect_utime)) : seen;
   const double trusted = trust(config_.anticipate, leader);
   const Anticipation anticipation =
       anticipate(config_.law, config_.velocity, config_.anticipate, leader, then.twist(), setpoint);
@@ -109,18 +119,27 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   wanted.linear_mps = (1.0 - trusted) * published.linear_mps + trusted * anticipation.wanted.linear_mps;
   wanted.angular_radps = (1.0 - trusted) * published.angular_radps + trusted * anticipation.wanted.angular_radps;
   const Reaction reaction{config_.limits, delay_s};
+  // The guards believe what is seen; what is announced may only make them stricter.
   wanted.linear_mps = std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
+                                stopping_speed(config_.anticipate, reaction, seen),
                                 eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, dt_s)});
-  return keep_in_view(config_.anticipate, config_.view, reaction, leader, wanted);
+  return keep_in_view(config_.anticipate, config_.view, reaction, seen, wanted);
 }
 
-std::int64_t Follower::acts_utime(std::int64_t utime) const {
-  return utime + static_cast<std::int64_t>(config_.drive.latency_s * 1e6);
+LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept {
+  const LeaderMotionConfig& motion = config_.leader_motion;
+  const std::int64_t since_utime = std::clamp(announced_.since_utime(), leader_.utime(), effect_utime);
+  return predict_leader(announced_.slowed(leader_.at(since_utime)), motion.steering_velocity_sigma,
+                        motion.steering_turn_sigma, motion.own_position_sigma,
+                        seconds_between(since_utime, effect_utime));
 }
+
+std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, config_.drive.latency_s); }
 
 void Follower::restart(std::int64_t since_utime) {
   if (last_utime_) own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
   leader_.reset();
+  announced_.reset();
   pid_.restart();
   last_utime_.reset();
   last_error_m_.reset();

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/utime.hpp"
 
 namespace pilotfish::control {
 namespace {
@@ -136,7 +137,7 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
     start(z, seen.utime);
     return Outcome::started;
   }
-  const double dt_s = static_cast<double>(seen.utime - utime_) * 1e-6;
+  const double dt_s = seconds_between(utime_, seen.utime);
   if (!(dt_s > 0.0)) return Outcome::unusable;
 
   const LeaderMotionEstimator before = *this;
@@ -256,7 +257,7 @@ LeaderEstimate LeaderMotionEstimator::predicted(int mode, double dt_s) const noe
 }
 
 LeaderEstimate LeaderMotionEstimator::at(std::int64_t utime) const noexcept {
-  const double dt_s = static_cast<double>(std::max<std::int64_t>(utime - utime_, 0)) * 1e-6;
+  const double dt_s = std::max(seconds_between(utime_, utime), 0.0);
   std::array<LeaderEstimate, 3> ahead;
   LeaderEstimate joined;
   for (int mode = 0; mode < 3; ++mode) {

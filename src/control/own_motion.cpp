@@ -3,19 +3,40 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pilotfish/core/utime.hpp"
+
 namespace pilotfish::control {
 namespace {
 
 constexpr double kArc_s = 0.005;      // the path is made of arcs of so long; error below 0.01 mm for such robots
 constexpr double kForgotten_s = 2.0;  // after so long with one command the robot does just that
 
+/// The oldest of a list by time goes, the others move up.
+template <class Entries>
+void drop_first(Entries& entries, int& count) {
+  std::move(entries.begin() + 1, entries.begin() + count, entries.begin());
+  --count;
+}
+
+Twist plus(const Twist& a, const Twist& b, double factor) {
+  return {a.linear_mps + factor * b.linear_mps, a.angular_radps + factor * b.angular_radps};
+}
+
+std::int64_t covered_until(std::int64_t measured_utime) { return later_s(measured_utime, OwnMotion::kCovered_s); }
+
 }  // namespace
+
+std::string_view to_string(OwnMotionSource source) noexcept {
+  return source == OwnMotionSource::odometry ? "odometry" : "commanded";
+}
 
 const std::vector<Parameter<DriveModelConfig>>& DriveModelConfig::parameters() {
   using C = DriveModelConfig;
   static const std::vector<Parameter<C>> table = {
       {"latency_s", &C::latency_s, 0.0, 0.25, "from the exposure to the moment the command that answers it acts"},
       {"actuator_lag_s", &C::actuator_lag_s, 0.0, 1.0, "time constant of the wheels' speed control; 0: none"},
+      {"odometry_filter_s", &C::odometry_filter_s, 0.0, 1.0,
+       "time constant with which odometry, where there is one, corrects the model of the drive; 0: at once"},
   };
   return table;
 }
@@ -28,21 +49,65 @@ void OwnMotion::command(const Twist& twist, std::int64_t acts_utime) noexcept {
   pending_[pending_count_++] = {twist, acts_utime};
 }
 
+bool OwnMotion::measured(std::int64_t utime, const Twist& twist) noexcept {
+  const double fastest_mps = kBeyondLimits * std::max(limits_.max_linear_mps, limits_.max_reverse_mps);
+  // Not a number is not within a limit either.
+  if (!(std::abs(twist.linear_mps) <= fastest_mps) ||
+      !(std::abs(twist.angular_radps) <= kBeyondLimits * limits_.max_angular_radps))
+    return false;
+  if (started_ && utime <= utime_) return false;  // that time has been accounted for
+  if (measured_count_ > 0 && utime <= measured_[measured_count_ - 1].utime) return false;
+  if (measured_count_ == static_cast<int>(measured_.size())) drop_first(measured_, measured_count_);
+  measured_[measured_count_++] = {twist, utime};
+  return true;
+}
+
 void OwnMotion::advance_to(std::int64_t utime) noexcept {
   if (!started_) utime_ = utime;
   started_ = true;
+  take_due_measurements();
   while (utime_ < utime) {
     while (pending_count_ > 0 && pending_[0].acts_utime <= utime_) take_first_pending();
-    const std::int64_t next = pending_count_ > 0 ? std::min(utime, pending_[0].acts_utime) : utime;
-    drive_for(static_cast<double>(next - utime_) * 1e-6);
+    std::int64_t next = utime;
+    if (pending_count_ > 0) next = std::min(next, pending_[0].acts_utime);
+    if (measured_count_ > 0) next = std::min(next, measured_[0].utime);
+    if (last_measured_utime_) next = std::min(next, covered_until(*last_measured_utime_));
+    drive_for(seconds_between(utime_, next));
     utime_ = next;
+    take_due_measurements();
+    if (last_measured_utime_ && covered_until(*last_measured_utime_) <= utime_) forget_odometry();
   }
+}
+
+/// Since the measurement before, the error of the model has come to this, in a straight line: the mean of what is added
+/// is half of it, and the way is corrected by that at its end.
+void OwnMotion::take_due_measurements() noexcept {
+  while (measured_count_ > 0 && measured_[0].utime <= utime_) {
+    const Measured now = measured_[0];
+    drop_first(measured_, measured_count_);
+    const Twist error = plus(now.twist, twist_, -1.0);
+    if (last_measured_utime_) {
+      const double since_s = seconds_between(*last_measured_utime_, now.utime);
+      const double filter_s = drive_.odometry_filter_s;
+      const double weight = filter_s > 0.0 ? -std::expm1(-since_s / filter_s) : 1.0;
+      const Twist added = plus(error, model_error_, -1.0);
+      pose_ = move_along_arc(pose_, plus(Twist{}, added, 0.5 * weight), since_s);
+      model_error_ = plus(model_error_, added, weight);
+    } else {
+      model_error_ = error;
+    }
+    last_measured_utime_ = now.utime;
+  }
+}
+
+void OwnMotion::forget_odometry() noexcept {
+  last_measured_utime_.reset();
+  model_error_ = Twist{};
 }
 
 void OwnMotion::take_first_pending() noexcept {
   acting_ = pending_[0].twist;
-  std::move(pending_.begin() + 1, pending_.begin() + pending_count_, pending_.begin());
-  --pending_count_;
+  drop_first(pending_, pending_count_);
 }
 
 void OwnMotion::drive_for(double duration_s) noexcept {
@@ -62,6 +127,7 @@ void OwnMotion::drive_for(double duration_s) noexcept {
     mean.angular_radps = follow_set_value(twist_.angular_radps, set_value_.angular_radps, acting_.angular_radps,
                                           limits_.max_angular_acceleration_radps2, drive_.actuator_lag_s, dt_s) /
                          dt_s;
+    if (last_measured_utime_) mean = plus(mean, model_error_, 1.0);
     pose_ = move_along_arc(pose_, mean, dt_s);
   }
 }

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "pilotfish/core/utime.hpp"
+
 namespace pilotfish {
 namespace {
 
@@ -69,7 +71,7 @@ bool Coordinator::is_newer(std::int64_t utime) noexcept {
   if (last_frame_utime_ && utime <= *last_frame_utime_) return false;
   last_frame_utime_ = utime;
   // Between the last measurement and this frame the wheels were told to stand still: the law starts from rest.
-  if (!fresh_at(utime)) rest(last_measured_utime_.value_or(utime) + max_age_us_);
+  if (!fresh_at(utime)) rest(later(last_measured_utime_.value_or(utime), max_age_us_));
   return true;
 }
 
@@ -140,6 +142,18 @@ bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
   setpoint_ = setpoint;
   if (!setpoint.run) rest(last_frame_utime_.value_or(0));
   return true;
+}
+
+bool Coordinator::is_near_last_frame(std::int64_t utime) const noexcept {
+  return last_frame_utime_ && std::abs(seconds_between(*last_frame_utime_, utime)) <= kOtherClock_s;
+}
+
+bool Coordinator::set_own_motion(std::int64_t utime, const Twist& twist) noexcept {
+  return is_near_last_frame(utime) && follower_.set_own_motion(utime, twist);
+}
+
+bool Coordinator::set_announced_motion(std::int64_t utime, const Twist& twist) noexcept {
+  return is_near_last_frame(utime) && follower_.set_announced_motion(utime, twist);
 }
 
 }  // namespace pilotfish

@@ -1,5 +1,6 @@
 import pytest
 from bus_link import Link
+from edge import Edge
 
 from pilotfish.harness.ports import private_lcm_url
 
@@ -12,3 +13,8 @@ def url() -> str:
 @pytest.fixture
 def link(url: str) -> Link:
     return Link(url)
+
+
+@pytest.fixture
+def edge(link):
+    return Edge(link)

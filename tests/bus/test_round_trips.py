@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pilotfish import bus, core, wire
 from pilotfish.lcmtypes.bot_core import image_t, pose_t
-from pilotfish.lcmtypes.pilotfish import command_t, observation_t, setpoint_t, status_t
+from pilotfish.lcmtypes.pilotfish import command_t, motion_t, observation_t, setpoint_t, status_t
 
 _channel_numbers = itertools.count()
 
@@ -90,7 +90,14 @@ def test_a_status_goes_out_as_it_is(link):
         processing_ms=3.5,
         rejected={"image_corrupt": 3, "tag_refused": 1},
     )
+    report.trust, report.leader_radial_mps, report.leader_tangential_mps = 0.875, 0.2, -0.05
+    report.leader_turn_rate_radps, report.latency_s, report.configured_latency_s = 0.25, 0.041, 0.033
+    report.own_motion, report.announcement = status_t.OWN_MOTION_ODOMETRY, status_t.ANNOUNCEMENT_USED
+    report.latency_from_exposure = True
     message = status_t.decode(link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", report)))
+    assert (message.trust, message.leader_radial_mps, message.leader_tangential_mps) == (0.875, 0.2, -0.05)
+    assert (message.leader_turn_rate_radps, message.latency_s, message.configured_latency_s) == (0.25, 0.041, 0.033)
+    assert (message.own_motion, message.announcement, message.latency_from_exposure) == (1, 3, True)
     assert (message.utime, message.status, message.text) == (3, command_t.STATUS_TRACKING, "tracking")
     assert (message.error_m, message.error_change_m, message.output) == (-0.5, 0.01, 0.75)
     np.testing.assert_array_equal(message.strengths, strengths)
@@ -115,6 +122,44 @@ def test_a_pose_goes_out_with_its_heading_as_a_quaternion_and_its_speed_along_it
     np.testing.assert_allclose(message.vel, [0, 0.2, 0], atol=1e-16)
     np.testing.assert_allclose(message.rotation_rate, [0, 0, 0.4])
     np.testing.assert_array_equal(message.accel, [0, 0, 0])
+
+
+@pytest.mark.parametrize("heading_rad", [0.0, 1.0, np.pi / 2, -3.0])
+@pytest.mark.parametrize(("linear_mps", "angular_radps"), [(0.2, 0.4), (-0.3, -1.0)])
+def test_a_pose_comes_in_as_the_twist_that_went_out(link, heading_rad, linear_mps, angular_radps):
+    """Whatever the heading: R^T turns the velocity back into the robot's own frame."""
+    twist = core.Twist(linear_mps=linear_mps, angular_radps=angular_radps)
+    report = bus.PoseReport(utime=7, x_m=3, y_m=-2, heading_rad=heading_rad, velocity=twist)
+    data = link.catch("R1_POSE", lambda: link.bus.publish_pose("r1", report))
+    received = []
+    link.bus.on_pose("r1", received.append)
+    link.send("R1_POSE", data)
+    assert received[0].utime == 7
+    assert received[0].twist.linear_mps == pytest.approx(linear_mps, abs=1e-15)
+    assert received[0].twist.angular_radps == angular_radps
+
+
+def test_of_a_robot_on_a_slope_the_speed_along_its_own_axis_counts(link):
+    """Pitched by -30 degrees about y (nose up), q = (cos 15, 0, -sin 15, 0): its x axis is (cos 30, 0, sin 30), and
+    0.4 m/s along it are (0.3464, 0, 0.2) m/s in the local frame. What is across it does not count."""
+    message = pose_t()
+    message.orientation = [np.cos(np.radians(15)), 0.0, -np.sin(np.radians(15)), 0.0]
+    message.vel = [0.4 * np.cos(np.radians(30)), 0.7, 0.4 * np.sin(np.radians(30))]
+    received = []
+    link.bus.on_pose("r1", received.append)
+    link.send("R1_POSE", message.encode())
+    assert received[0].twist.linear_mps == pytest.approx(0.4)
+
+
+def test_an_announcement_survives_both_ways(link):
+    report = bus.MotionReport(utime=12, twist=core.Twist(linear_mps=-0.125, angular_radps=0.5))
+    data = link.catch("LEADER_MOTION", lambda: link.bus.publish_motion("leader", report))
+    message = motion_t.decode(data)
+    assert (message.utime, message.linear_mps, message.angular_radps) == (12, -0.125, 0.5)
+    received = []
+    link.bus.on_motion("leader", received.append)
+    link.send("LEADER_MOTION", data)
+    assert (received[0].utime, received[0].twist) == (12, report.twist)
 
 
 def test_a_setpoint_survives_both_ways(link):

@@ -20,9 +20,10 @@ FINGERPRINTS = {
     bot_core.pose_t: "2e16efb052b0105e",
     types.command_t: "71709ee15ed54a31",
     types.counter_t: "85bf7873eaa98dd0",
+    types.motion_t: "65420622915db3dd",
     types.observation_t: "a8773267d35ca428",
     types.setpoint_t: "2e0a14ffa6c018f9",
-    types.status_t: "a9ae94991ea1f254",
+    types.status_t: "6e731e9ee4922afb",
     types.tag_sighting_t: "ef8d50b69ab4b284",
 }
 
@@ -69,6 +70,7 @@ def test_the_longest_state_messages_fit_into_one_datagram(link):
             ),
         ),
         "SETPOINT": lambda: link.bus.publish_setpoint("r1", core.Setpoint(), utime=extreme),
+        "MOTION": lambda: link.bus.publish_motion("r1", bus.MotionReport(utime=extreme)),
         "POSE": lambda: link.bus.publish_pose("r1", bus.PoseReport(utime=extreme, x_m=1, y_m=1, heading_rad=1)),
     }
     sizes = {what: len(link.catch(f"R1_{what}", publish)) for what, publish in encoded.items()}

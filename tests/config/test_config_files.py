@@ -43,6 +43,20 @@ def test_degrees_become_radians_and_the_frame_rate_sets_the_control_period(folde
     assert file.coordinator.control.velocity.control_period_s == pytest.approx(1 / 20)
 
 
+def test_odometry_and_announcements_are_off_unless_asked_for(folder):
+    file = folder / "config/line.yaml"
+    assert (coordinator.load_coordinator(file).odometry, coordinator.load_coordinator(file).announcements_from) == (
+        "none",
+        "",
+    )
+    break_file(file, "^source: lcm", "odometry: pose\nannouncements_from: leader")
+    asked = coordinator.load_coordinator(file)
+    assert (asked.odometry, asked.announcements_from) == ("pose", "leader")
+    break_file(file, "^odometry: pose\nannouncements_from: leader", "odometry: none\nannouncements_from: none")
+    declined = coordinator.load_coordinator(file)
+    assert (declined.odometry, declined.announcements_from) == ("none", "")
+
+
 BROKEN = [
     # (what to break, by what, what the message must say)
     (r"^name: \w+", "name: robot 1", r"name: 'robot 1' is not a name"),
@@ -50,6 +64,8 @@ BROKEN = [
     (r"^frame_rate_hz: 30", "frame_rate_hz: 0", r"frame_rate_hz: 0 is outside \[1, 1000\]"),
     (r"^frame_rate_hz: 30", "frame_rate_hz: fast", r"frame_rate_hz: 'fast' is not a number"),
     (r"^frame_rate_hz: 30", "frame_rate_hz: .nan", r"frame_rate_hz: nan is outside"),
+    (r"^source: lcm", "odometry: wheels", r"odometry: 'wheels' is not an odometry; choose none or pose"),
+    (r"^source: lcm", "announcements_from: the leader", r"announcements_from: 'the leader' is not a name"),
     (r"^profile: anticipate", "profile: best", r"profile: 'best' is not a profile; choose paper or anticipate"),
     (r"  distance_m: 1\.10", "  distance_m: -1", r"setpoint\.distance_m: -1 is outside \[0\.05, 20\]"),
     (

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pilotfish import coordinator, core
+from pilotfish import control, coordinator, core
 from pilotfish import data as shipped
 from pilotfish.core import Reason, Status
 from scenes import PERIOD_US, leader_pictures
@@ -159,3 +159,40 @@ def test_a_maximum_age_above_100_ms_is_refused():
     config.safety.max_age_s = 0.2
     with pytest.raises(ValueError, match=r"safety\.max_age_s: 0\.2 is outside \[0, 0\.1\]"):
         coordinator.Coordinator(config)
+
+
+TOLD = [coordinator.Coordinator.set_own_motion, coordinator.Coordinator.set_announced_motion]
+
+
+@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "announcement"])
+def test_what_it_is_told_of_motion_is_refused_before_the_first_frame_and_from_another_clock(tell):
+    heart, twist = fresh(), core.Twist(linear_mps=0.1)
+    assert not tell(heart, FRAMES[0].utime, twist)
+    heart.step(FRAMES[0])
+    assert not tell(heart, FRAMES[0].utime - 1_000_001, twist)
+    assert not tell(heart, FRAMES[0].utime + 1_000_001, twist)
+    assert not tell(heart, -(2**63), twist) and not tell(heart, 2**63 - 1, twist)
+    assert not tell(heart, FRAMES[0].utime + 1, core.Twist(linear_mps=math.nan))
+    assert tell(heart, FRAMES[0].utime + 1_000_000, twist)
+
+
+@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "announcement"])
+def test_what_it_is_told_of_motion_moves_nothing_without_a_leader_in_sight(tell):
+    heart = fresh()
+    for k in range(30):
+        utime = 1_000_000 + k * PERIOD_US
+        tell(heart, utime, core.Twist(linear_mps=0.5))
+        assert heart.step(blank(utime)).command == STILL
+
+
+@pytest.mark.parametrize("profile", ["paper", "anticipate"])
+def test_frames_from_both_ends_of_the_clock_are_answered(profile):
+    """From -2^63 to 2^63 - 1 us is farther than an int64 can say."""
+    config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
+    config.control.profile = getattr(control.Profile, profile)
+    heart = coordinator.Coordinator(config)
+    for utime in (-(2**63), -(2**63) + 1, -1, 0, 2**62, 2**63 - 2, 2**63 - 1):
+        result = heart.step(at(FRAMES[0], utime))
+        assert result.status == Status.tracking
+        assert math.isfinite(result.command.linear_mps) and math.isfinite(result.command.angular_radps)
+    assert heart.step(at(FRAMES[0], -(2**63))).reason == Reason.frame_time_not_advancing

@@ -26,11 +26,18 @@ SEEN = {
     "error_m": -1.34,
     "error_change_m": 0.0,
     "output": 0.9,
+    "trust": 0.98,
+    "leader_radial_mps": 0.2,
+    "leader_tangential_mps": 0.0,
+    "leader_turn_rate_radps": 0.01,
+    "own_motion": "commanded",
+    "announcement": "silent",
 }
 UNSEEN = (
     SEEN
     | dict.fromkeys(["distance_m", "bearing_rad", "heading_rad", "reprojection_error_px", "ambiguity_ratio"])
-    | dict.fromkeys(["error_m", "error_change_m", "output"])
+    | dict.fromkeys(["error_m", "error_change_m", "output", "trust", "own_motion", "announcement"])
+    | dict.fromkeys(["leader_radial_mps", "leader_tangential_mps", "leader_turn_rate_radps"])
     | {"detected": False, "tag_ids": [], "decision_margins": [], "corners_px": [], "status": "searching"}
 )
 

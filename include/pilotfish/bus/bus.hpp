@@ -46,6 +46,7 @@ class Bus {
   void publish(const std::string& robot, const ObservationReport& report);
   void publish(const std::string& robot, const StatusReport& report);
   void publish(const std::string& robot, const PoseReport& report);
+  void publish(const std::string& robot, const MotionReport& report);
   void publish(const std::string& robot, const Setpoint& setpoint, std::int64_t utime);
   /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
   void publish_image(const std::string& channel, const Frame& frame);
@@ -53,6 +54,10 @@ class Bus {
   void on_image(const std::string& channel, std::function<void(Frame)> handler);
   void on_setpoint(const std::string& robot, std::function<void(Setpoint)> handler);
   void on_command(const std::string& robot, std::function<void(CommandReport)> handler);
+  /// What NAME_POSE says of the robot's speed and turn rate; not where it is.
+  void on_pose(const std::string& robot, std::function<void(MotionReport)> handler);
+  /// What a robot announces of itself on NAME_MOTION.
+  void on_motion(const std::string& robot, std::function<void(MotionReport)> handler);
 
   /// Waits up to timeout_ms for a message, then handles all that have come. Returns how many. A signal ends
   /// the wait. If a handler throws, the messages behind it wait for the next call, and the exception comes

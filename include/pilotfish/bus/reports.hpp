@@ -41,8 +41,15 @@ struct StatusReport {
   double output = 0.0;  ///< u of the fuzzy law, normalised
   std::array<double, kStatusRules> strengths{};
   Setpoint setpoint;
+  double trust = 0.0;  ///< share of the feed-forward in the command
+  double leader_radial_mps = 0.0, leader_tangential_mps = 0.0, leader_turn_rate_radps = 0.0;
+  std::int8_t own_motion = 0;    ///< status_t's OWN_MOTION_ numbers
+  std::int8_t announcement = 0;  ///< status_t's ANNOUNCEMENT_ numbers
   double frame_rate_hz = 0.0;
   double processing_ms = 0.0;
+  double latency_s = 0.0;              ///< to the command, over the last frames
+  bool latency_from_exposure = false;  ///< else from the frame's arrival
+  double configured_latency_s = 0.0;
   std::map<std::string, std::int64_t> rejected;  ///< counters by reason; at most 16, names of at most 24 letters
 };
 
@@ -51,6 +58,12 @@ struct PoseReport {
   std::int64_t utime = 0;
   double x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
   Twist velocity;
+};
+
+/// A robot's twist at a time: out and in as pilotfish.motion_t, in as what bot_core.pose_t says of it.
+struct MotionReport {
+  std::int64_t utime = 0;
+  Twist twist;
 };
 
 }  // namespace pilotfish::bus

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "pilotfish/coordinator/coordinator.hpp"
 #include "pilotfish/core/camera_model.hpp"
@@ -24,11 +26,24 @@ fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
 /// not name stays. Throws ConfigError.
 void load_tuning(const std::filesystem::path& file, control::FollowerConfig& config);
 
+/// Where the coordinator's own twist is measured.
+enum class Odometry {
+  none,  ///< nowhere: its commands have to do
+  pose,  ///< NAME_POSE, of which only speed and turn rate are used
+};
+/// Throws ConfigError listing what there is.
+Odometry odometry_from(std::string_view name);
+
+/// A leader's name on the bus; empty for "none". Throws ConfigError if it is no name.
+std::string announcements_from(const std::string& name);
+
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
 struct CoordinatorFile {
   std::string name = "robot1";  ///< the robot's name on the bus
   std::string source = "lcm";   ///< where frames come from, unless --source says otherwise
-  double frame_rate_hz = 30.0;  ///< expected of the source; 1/T of the law unless control_period_s says otherwise
+  Odometry odometry = Odometry::none;
+  std::string announcements_from;  ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
+  double frame_rate_hz = 30.0;     ///< expected of the source; 1/T of the law unless control_period_s says otherwise
   CoordinatorConfig coordinator;
 };
 /// Throws ConfigError naming the key.

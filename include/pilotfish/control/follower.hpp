@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/control/announced_motion.hpp"
 #include "pilotfish/control/anticipating_law.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/heading_controller.hpp"
@@ -49,6 +50,7 @@ struct FollowerConfig {
   PbvsConfig pbvs;
   PidConfig pid;
   FieldOfView view;  ///< of the camera, for the guard of `anticipate`
+  AnnouncementConfig announcement;
 };
 
 struct FollowerOutput {
@@ -59,13 +61,16 @@ struct FollowerOutput {
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
   std::optional<LeaderMotion> leader;
   double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
+  OwnMotionSource own_motion = OwnMotionSource::commanded;
+  AnnouncementUse announcement = AnnouncementUse::silent;
 };
 
 /// The way into this room: Observation in, Twist out. Time comes from the observations.
 ///
 ///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
-///   anticipate  own commands --> OwnMotion --+
-///               observation -----------------+--> LeaderMotionEstimator --> prediction --> anticipate()
+///   anticipate  own commands, odometry --> OwnMotion --+
+///               observation ---------------------------+--> LeaderMotionEstimator --> prediction --> anticipate()
+///               announcement --> AnnouncedMotion: judged by that estimate, may slow the prediction down
 ///                                                 --> blended with the paper's command by trust --> guards --> limits
 class Follower {
  public:
@@ -73,6 +78,13 @@ class Follower {
   explicit Follower(FollowerConfig config);
 
   FollowerOutput follow(const Observation& observation, const Setpoint& setpoint);
+
+  /// What odometry measured of this robot, and what the leader says of itself; times as those of the observations.
+  /// False, and nothing changes, if it cannot be used. Never needed; profile `anticipate` alone listens.
+  bool set_own_motion(std::int64_t utime, const Twist& twist) noexcept { return own_.measured(utime, twist); }
+  bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept {
+    return announced_.announce(utime, twist);
+  }
 
   /// Forget the past: from since_utime on the robot is told to stand still. The next follow() starts with ec = 0 from
   /// rest; dead reckoning goes on, because the wheels still have to come to rest.
@@ -86,6 +98,8 @@ class Follower {
   /// What `anticipate` makes of it.
   Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published, double dt_s,
                     FollowerOutput& output);
+  /// The leader when the command has taken effect, as slow as it has announced.
+  LeaderEstimate slowed_leader(std::int64_t effect_utime) const noexcept;
   std::int64_t acts_utime(std::int64_t utime) const;
 
   FollowerConfig config_;
@@ -93,6 +107,7 @@ class Follower {
   PbvsLaw pbvs_;
   PidLaw pid_;
   LeaderMotionEstimator leader_;
+  AnnouncedMotion announced_;
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;
   Twist last_command_;

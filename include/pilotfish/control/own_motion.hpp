@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/planar_motion.hpp"
@@ -10,15 +12,28 @@ namespace pilotfish::control {
 
 /// How late the wheels do what they are told.
 struct DriveModelConfig {
-  double latency_s = 1.0 / 30.0;  ///< from the exposure of a picture to the moment the command that answers it acts
-  double actuator_lag_s = 0.1;    ///< time constant of the wheels' speed control
+  double latency_s = 1.0 / 30.0;   ///< from the exposure of a picture to the moment the command that answers it acts
+  double actuator_lag_s = 0.1;     ///< time constant of the wheels' speed control
+  double odometry_filter_s = 0.1;  ///< time constant with which odometry corrects the model; 0: at once
   static const std::vector<Parameter<DriveModelConfig>>& parameters();
 };
+
+/// Where the own motion is taken from.
+enum class OwnMotionSource {
+  commanded,  ///< the own commands, through the model of the drive
+  odometry,   ///< measured twists
+};
+std::string_view to_string(OwnMotionSource source) noexcept;
 
 /// Where the robot has got to by its own commands: dead reckoning through a model of the drive (latency, a ramp of the
 /// set value with the limits' acceleration, first-order lag), in an odometry frame that begins where it began. Only
 /// what happens within a second or two matters: the leader is estimated in this frame, and a slow drift of it looks
 /// like motion of the leader that a follower has to compensate anyway.
+///
+/// Where there is odometry, the motion is the model's plus the model's error, which each measured twist shows anew
+/// (seen through a low-pass, since odometry has noise and the model has not): the error came in a straight line from
+/// the twist before and stays until the next, for kCovered_s at most. So when odometry falls silent everything is as
+/// without it, by itself.
 ///
 /// A value: copy it to look ahead. No allocation.
 class OwnMotion {
@@ -27,6 +42,9 @@ class OwnMotion {
 
   /// From acts_utime on the wheels are told this; commands come in the order in which they act.
   void command(const Twist& twist, std::int64_t acts_utime) noexcept;
+  /// What odometry says of the twist at utime. False, and nothing changes, unless it is finite, within kBeyondLimits
+  /// of what the drive can do, and later than everything that is known already.
+  bool measured(std::int64_t utime, const Twist& twist) noexcept;
   /// Moves on to utime. The first call only sets the clock; a time in the past changes nothing.
   void advance_to(std::int64_t utime) noexcept;
 
@@ -35,24 +53,43 @@ class OwnMotion {
 
   std::int64_t utime() const { return utime_; }
   const Pose2& pose() const { return pose_; }
-  const Twist& twist() const { return twist_; }  ///< the real one, behind the commands
+  /// The real one, behind the commands.
+  Twist twist() const {
+    return {twist_.linear_mps + model_error_.linear_mps, twist_.angular_radps + model_error_.angular_radps};
+  }
+  OwnMotionSource source() const {  ///< of what is known about utime()
+    return last_measured_utime_ ? OwnMotionSource::odometry : OwnMotionSource::commanded;
+  }
+
+  static constexpr double kCovered_s = 0.2;     ///< a measured twist says nothing about what is longer ago or ahead
+  static constexpr double kBeyondLimits = 1.5;  ///< pushed, or downhill; what is faster is no robot of these limits
 
  private:
   struct Command {
     Twist twist;
     std::int64_t acts_utime = 0;
   };
+  struct Measured {
+    Twist twist;
+    std::int64_t utime = 0;
+  };
   void drive_for(double duration_s) noexcept;
   void take_first_pending() noexcept;
+  void take_due_measurements() noexcept;
+  void forget_odometry() noexcept;
 
   DriveModelConfig drive_;
   LimitsConfig limits_;
   bool started_ = false;
   std::int64_t utime_ = 0;
   Pose2 pose_;
-  Twist twist_, set_value_, acting_;
-  std::array<Command, 16> pending_;  ///< by time; when full, the oldest acts early
+  Twist twist_, set_value_, acting_;  ///< of the model
+  std::array<Command, 16> pending_;   ///< by time; when full, the oldest acts early
   int pending_count_ = 0;
+  std::array<Measured, 64> measured_;  ///< still ahead of utime_, by time; when full, the oldest is forgotten
+  int measured_count_ = 0;
+  std::optional<std::int64_t> last_measured_utime_;  ///< of the last one that utime_ has reached; empty: too long ago
+  Twist model_error_;                                ///< measured minus model; zero without odometry
 };
 
 }  // namespace pilotfish::control

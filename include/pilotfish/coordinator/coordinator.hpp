@@ -67,10 +67,19 @@ class Coordinator {
   /// False, and the old one stays, if a number is out of range or not finite.
   bool set_setpoint(const Setpoint& setpoint) noexcept;
   const Setpoint& setpoint() const { return setpoint_; }
+
+  /// Optional, at any rate, between frames: the own twist as odometry measured it, and the twist the leader announces
+  /// of itself. utime is on the frames' clock. False, and nothing changes, if it cannot be used: not finite, too fast,
+  /// not newer than the last, more than kOtherClock_s away from the last frame, or no frame yet. Neither moves the
+  /// robot; see control::OwnMotion and control::AnnouncedMotion.
+  bool set_own_motion(std::int64_t utime, const Twist& twist) noexcept;
+  bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept;
+  static constexpr double kOtherClock_s = 1.0;
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
 
  private:
   bool fresh_at(std::int64_t utime) const noexcept;
+  bool is_near_last_frame(std::int64_t utime) const noexcept;
   StepResult answer_latest(std::int64_t utime, const vision::Sight& sight) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
   bool is_newer(std::int64_t utime) noexcept;    ///< if so, it is the latest; rests if nothing is fresh any more

@@ -36,10 +36,17 @@ class FrameReport:
     error_m: float | None
     error_change_m: float | None
     output: float | None  # u of the fuzzy law, normalised
+    trust: float | None  # share of the feed-forward in the command
+    leader_radial_mps: float | None  # the leader's own speed along the line of sight, as estimated
+    leader_tangential_mps: float | None
+    leader_turn_rate_radps: float | None
+    own_motion: str | None  # commanded, odometry
+    announcement: str | None  # silent, probation, agrees, used, suspended
 
     @classmethod
     def from_step(cls, result: StepResult) -> FrameReport:
-        seen, law = result.observation, result.control.velocity if result.control else None
+        seen, output = result.observation, result.control
+        law, leader = (output.velocity, output.leader) if output else (None, None)
         return cls(
             utime=result.utime,
             status=result.status.name,
@@ -58,6 +65,12 @@ class FrameReport:
             error_m=law.error_m if law else None,
             error_change_m=law.error_change_m if law else None,
             output=law.inference.output if law else None,
+            trust=output.trust if output else None,
+            leader_radial_mps=leader.radial_mps if leader else None,
+            leader_tangential_mps=leader.tangential_mps if leader else None,
+            leader_turn_rate_radps=leader.turn_rate_radps if leader else None,
+            own_motion=output.own_motion.name if output else None,
+            announcement=output.announcement.name if output else None,
         )
 
     @classmethod

@@ -36,6 +36,7 @@ class FrameEvent:
 
 OnFrame = Callable[[FrameEvent], None]
 Configure = Callable[[coordinator.CoordinatorConfig], None]
+Tell = Callable[[sim.World, str, coordinator.Coordinator], None]
 
 
 def run_in_process(
@@ -46,6 +47,7 @@ def run_in_process(
     spec: sim.Scenario | None = None,
     configure: Configure | None = None,
     drawn: DrawnSight | None = None,
+    tell: Tell | None = None,
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,
     on_frame: OnFrame | None = None,
@@ -55,7 +57,8 @@ def run_in_process(
 
     ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
     seed, other imperfections. ``configure`` has the last word on each coordinator's configuration. With ``drawn``
-    nothing is rendered: measurements are drawn.
+    nothing is rendered: measurements are drawn. ``tell`` is called before each look, with the robot's name: what else
+    the coordinator is told then, such as odometry.
     """
     world = sim.World(spec if spec is not None else sim.load_scenario(scenario.file))
     driving = Driving(profile, tuning)
@@ -70,6 +73,8 @@ def run_in_process(
         for robot in scenario.robots:
             frame = None if drawn else world.capture(robot.name)
             delivered = drawn is not None or frame is not None
+            if tell:
+                tell(world, robot.name, drivers[robot.name])
             if delivered:  # else nobody answers, and the wheels go on with what they were told last
                 driver = drivers[robot.name]
                 result = driver.step(frame) if frame is not None else drawn.answer(world, robot.name, driver)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -34,9 +35,12 @@ def run_over_lcm(
     tuning: Path | None = None,
     duration_s: float | None = None,
     lcm_url: str | None = None,
+    coordinator_options: Sequence[str] = (),
+    sim_options: Sequence[str] = (),
     on_progress: OnProgress | None = None,
 ) -> Run:
-    """Plays the scenario on a bus of its own. Raises HarnessError with what the failing program said."""
+    """Plays the scenario on a bus of its own. Raises HarnessError with what the failing program said. The options are
+    given to every coordinator and to the simulator."""
     url = lcm_url or private_lcm_url()
     driving = Driving(profile, tuning)
     seconds = duration_s or scenario.duration_s
@@ -47,14 +51,14 @@ def run_over_lcm(
         coordinators: dict[str, Child] = {}
         for robot in scenario.robots:
             command = [coordinator_program, "--config", robot.coordinator_file, "--name", robot.name]
-            command += ["--source", "lcm", "--lcm-url", url, *driving.options(), "--json"]
+            command += ["--source", "lcm", "--lcm-url", url, *driving.options(), *coordinator_options, "--json"]
             coordinators[robot.name] = children.enter_context(Child(command, folder, robot.name))
         for child in coordinators.values():
             child.wait_until(lambda child=child: _is_ready(child), READY_WITHIN_S, "being ready")
 
         record_file = folder / "record.csv"
         command = [sim_program, "--scenario", scenario.file, "--lcm-url", url, "--lockstep"]
-        command += ["--record", record_file, "--duration-s", str(seconds)]
+        command += ["--record", record_file, "--duration-s", str(seconds), *sim_options]
         sim = children.enter_context(Child(command, folder, "sim"))
         _wait_for_end(sim, coordinators, frames, on_progress)
 

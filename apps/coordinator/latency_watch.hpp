@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "control_loop.hpp"
+#include "frame_clock.hpp"
+#include "translate.hpp"
+
+namespace pilotfish::apps {
+
+/// From a frame to the command that answers it: the median of the last frames, so that one late frame does not count.
+/// Says so once if the configuration says otherwise: who looks too short a way ahead swings.
+class LatencyWatch {
+ public:
+  explicit LatencyWatch(const LoopConfig& config) : config_(config) {}
+
+  /// The command that answers the frame leaves now. Fills in the latencies of `timing`.
+  void answered(const Arrival& arrival, const FrameClock& clock, StepTiming& timing);
+
+ private:
+  double median_s() const;
+  void warn_once(double median_latency_s);
+
+  static constexpr std::size_t kFrames = 31;
+  const LoopConfig& config_;
+  std::array<double, kFrames> last_{};
+  std::size_t next_ = 0, count_ = 0;
+  bool warned_ = false;
+};
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "pilotfish/control/leader_motion_estimator.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::control {
+
+/// How much a leader's own word counts.
+struct AnnouncementConfig {
+  double linear_tolerance_mps = 0.03;     ///< an announced speed so near to the seen one says the same
+  double angular_tolerance_radps = 0.15;  ///< and turn rate
+  double max_age_s = 0.1;                 ///< older than the picture by more than this it says nothing
+  double confirmed_within_s = 0.15;       ///< what is announced must be seen after so long
+  double probation_s = 0.5;               ///< so long vision and announcement must agree before it counts
+  double suspended_s = 5.0;               ///< so long it does not count after one disagreement
+  static const std::vector<Parameter<AnnouncementConfig>>& parameters();
+};
+
+enum class AnnouncementUse {
+  silent,     ///< nothing announced, or too old
+  probation,  ///< has not agreed with vision for long enough yet
+  agrees,     ///< says what vision says: vision is used
+  used,       ///< says that the leader is slowing down, which cannot be seen yet
+  suspended,  ///< vision contradicted it
+};
+std::string_view to_string(AnnouncementUse use) noexcept;
+
+/// The twist a leader announces of itself, and what it is worth. Vision knows a steady leader's speed to millimetres
+/// per second; all that a leader knows better is that it is about to change, which a picture shows one or two frames
+/// late. So the word counts only
+///
+/// - after it has agreed with vision alone for probation_s: what was announced lately, give or take the tolerance and
+///   three standard deviations of the estimate, holds what is seen;
+/// - if it says that the leader is slower than vision still believes, by more than two tolerances: it can make the
+///   robot slower, never faster, and never moves one that stands;
+/// - while the leader drives away: to a leader that comes nearer, slow is not the safe side;
+/// - for confirmed_within_s: if vision has not seen it by then, or when the leader says otherwise, it is suspended.
+///
+/// Nothing announced enters the estimate of vision, so that this stays the judge, and a lie leaves no trace in it.
+class AnnouncedMotion {
+ public:
+  explicit AnnouncedMotion(const AnnouncementConfig& config) : config_(config) {}
+
+  /// False, and nothing changes, unless it is finite, of this world and newer than the last.
+  bool announce(std::int64_t utime, const Twist& twist) noexcept;
+
+  bool heard() const { return count_ > 0; }
+
+  /// Once a frame, with the leader as vision alone has it at that frame's time, seen from `own`.
+  AnnouncementUse judge(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept;
+
+  /// If judge() has said `used`: when that holds from.
+  std::int64_t since_utime() const { return newest().utime; }
+  /// If judge() has said `used`: the estimate as slow as announced.
+  LeaderEstimate slowed(const LeaderEstimate& seen) const noexcept;
+
+  /// The leader was lost: probation begins anew, a suspension goes on.
+  void reset() noexcept;
+
+ private:
+  struct Announcement {
+    Twist twist;
+    std::int64_t utime = 0;
+  };
+  const Announcement& newest() const { return heard_[count_ - 1]; }
+  struct Axis {  // speed along the heading, or turn rate
+    double Twist::*of;
+    double seen, sigma, tolerance;
+    double margin() const;
+  };
+  std::array<Axis, 2> axes(const LeaderEstimate& seen) const noexcept;
+  bool holds(const Axis& axis, std::int64_t utime) const noexcept;
+  bool says_slower(const Axis& axis) const noexcept;
+  AnnouncementUse suspend(std::int64_t utime) noexcept;
+
+  AnnouncementConfig config_;
+  std::array<Announcement, 64> heard_;  ///< by time; when full, the oldest is forgotten
+  int count_ = 0;
+  std::optional<std::int64_t> agreeing_since_, suspended_until_;
+  std::array<std::optional<double>, 2> claims_;  ///< by axis: how slow the leader said it was, not yet seen
+};
+
+}  // namespace pilotfish::control

@@ -1,0 +1,158 @@
+#include "pilotfish/control/announced_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pilotfish/core/utime.hpp"
+
+namespace pilotfish::control {
+namespace {
+
+// Nobody who is followed indoors does that.
+constexpr double kAbsurd_mps = 10.0, kAbsurd_radps = 50.0;
+constexpr double kAhead_s = 0.3;    // of the picture: a camera's latency; later is another clock
+constexpr double kSigmas = 3.0;     // of the estimate, that an announcement may be off
+constexpr double kDeparting = 2.0;  // tolerances, from which on an announcement says something else than vision
+
+bool drives_away(const LeaderEstimate& seen, const Pose2& own) {
+  return seen.mean.segment<2>(2).dot(seen.mean.head<2>() - Eigen::Vector2d(own.x_m, own.y_m)) > 0.0;
+}
+
+/// `seen` brought to what is announced, but only towards zero and not beyond.
+double no_faster(double seen, double announced) {
+  return seen >= 0.0 ? std::clamp(announced, 0.0, seen) : std::clamp(announced, seen, 0.0);
+}
+
+}  // namespace
+
+const std::vector<Parameter<AnnouncementConfig>>& AnnouncementConfig::parameters() {
+  using C = AnnouncementConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"linear_tolerance_mps", &C::linear_tolerance_mps, 0.001, 1.0,
+       "an announced speed so near to the seen one says the same"},
+      {"angular_tolerance_radps", &C::angular_tolerance_radps, 0.001, 5.0, "the same, of the turn rate"},
+      {"max_age_s", &C::max_age_s, 0.0, 0.1, "older than the picture by more than this it says nothing"},
+      {"confirmed_within_s", &C::confirmed_within_s, 0.1, 0.5, "what is announced must be seen after so long"},
+      {"probation_s", &C::probation_s, 0.1, 60.0, "so long it must have agreed with vision before it counts"},
+      {"suspended_s", &C::suspended_s, 1.0, 3600.0, "so long it does not count after one disagreement"},
+  };
+  return table;
+}
+
+std::string_view to_string(AnnouncementUse use) noexcept {
+  switch (use) {
+    case AnnouncementUse::silent: return "silent";
+    case AnnouncementUse::probation: return "probation";
+    case AnnouncementUse::agrees: return "agrees";
+    case AnnouncementUse::used: return "used";
+    case AnnouncementUse::suspended: return "suspended";
+  }
+  return "unknown";
+}
+
+bool AnnouncedMotion::announce(std::int64_t utime, const Twist& twist) noexcept {
+  // Not a number is not within a bound either.
+  if (!(std::abs(twist.linear_mps) <= kAbsurd_mps) || !(std::abs(twist.angular_radps) <= kAbsurd_radps)) return false;
+  if (count_ > 0 && utime <= newest().utime) return false;
+  if (count_ == static_cast<int>(heard_.size())) {
+    std::move(heard_.begin() + 1, heard_.end(), heard_.begin());
+    --count_;
+  }
+  heard_[count_++] = {twist, utime};
+  return true;
+}
+
+void AnnouncedMotion::reset() noexcept {
+  agreeing_since_.reset();
+  claims_ = {};
+}
+
+AnnouncementUse AnnouncedMotion::suspend(std::int64_t utime) noexcept {
+  reset();
+  suspended_until_ = later_s(utime, config_.suspended_s);
+  return AnnouncementUse::suspended;
+}
+
+double AnnouncedMotion::Axis::margin() const { return tolerance + kSigmas * sigma; }
+
+/// Along the leader's own heading: u = (cos psi, sin psi), s = u.v, var(s) = u^T P_v u.
+std::array<AnnouncedMotion::Axis, 2> AnnouncedMotion::axes(const LeaderEstimate& seen) const noexcept {
+  const Eigen::Vector2d u(std::cos(seen.mean(4)), std::sin(seen.mean(4)));
+  const Eigen::Matrix2d p = seen.covariance.block<2, 2>(2, 2);
+  const double sigma_mps = std::sqrt(std::max(0.0, u.dot(p * u)));
+  const double sigma_radps = std::sqrt(std::max(0.0, seen.covariance(5, 5)));
+  return {{{&Twist::linear_mps, u.dot(seen.mean.segment<2>(2)), sigma_mps, config_.linear_tolerance_mps},
+           {&Twist::angular_radps, seen.mean(5), sigma_radps, config_.angular_tolerance_radps}}};
+}
+
+/// Whether what was announced in the last confirmed_within_s before utime, and since, reaches what is seen: then vision
+/// may just be late.
+bool AnnouncedMotion::holds(const Axis& axis, std::int64_t utime) const noexcept {
+  double least = newest().twist.*axis.of, most = least;
+  for (int i = count_ - 1; i >= 0 && seconds_between(heard_[i].utime, utime) <= config_.confirmed_within_s; --i) {
+    least = std::min(least, heard_[i].twist.*axis.of);
+    most = std::max(most, heard_[i].twist.*axis.of);
+  }
+  return axis.seen >= least - axis.margin() && axis.seen <= most + axis.margin();
+}
+
+bool AnnouncedMotion::says_slower(const Axis& axis) const noexcept {
+  const double slow = no_faster(axis.seen, newest().twist.*axis.of);
+  return std::abs(axis.seen) - std::abs(slow) > kDeparting * axis.tolerance;
+}
+
+AnnouncementUse AnnouncedMotion::judge(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept {
+  const double age_s = count_ > 0 ? seconds_between(newest().utime, utime) : 0.0;
+  if (count_ == 0 || age_s > config_.max_age_s || age_s < -kAhead_s) {
+    reset();
+    return AnnouncementUse::silent;
+  }
+  if (suspended_until_ && utime < *suspended_until_) return AnnouncementUse::suspended;
+  suspended_until_.reset();
+
+  const std::array<Axis, 2> both = axes(seen);
+  if (!holds(both[0], utime) || !holds(both[1], utime)) return suspend(utime);
+  if (!agreeing_since_ || seconds_between(*agreeing_since_, utime) < config_.probation_s) {
+    // Whoever hardly knows the speed cannot contradict: that is no merit of the announcement.
+    const bool sharp = kSigmas * both[0].sigma <= both[0].tolerance;
+    if (!sharp) agreeing_since_.reset();
+    if (sharp && !agreeing_since_) agreeing_since_ = utime;
+    return AnnouncementUse::probation;
+  }
+  bool slower = false;
+  for (std::size_t i = 0; i < both.size(); ++i) {
+    std::optional<double>& claim = claims_[i];
+    if (says_slower(both[i])) {
+      slower = true;
+      if (!claim) claim = std::abs(no_faster(both[i].seen, newest().twist.*both[i].of));
+    } else if (claim) {
+      if (std::abs(both[i].seen) > *claim + both[i].margin()) return suspend(utime);  // never mind, it says: too late
+      claim.reset();
+    }
+  }
+  return slower && drives_away(seen, own) ? AnnouncementUse::used : AnnouncementUse::agrees;
+}
+
+/// The velocity is shortened as a vector, so that a tag that hangs crooked is nothing special here either. What was
+/// known of its error no longer holds; the tolerance takes its place.
+LeaderEstimate AnnouncedMotion::slowed(const LeaderEstimate& seen) const noexcept {
+  LeaderEstimate slow = seen;
+  const auto set_sigma = [&slow](int of, double sigma) {
+    slow.covariance.row(of).setZero();
+    slow.covariance.col(of).setZero();
+    slow.covariance(of, of) = sigma * sigma;
+  };
+  const auto [along, turn] = axes(seen);
+  if (says_slower(along)) {
+    slow.mean.segment<2>(2) *= no_faster(along.seen, newest().twist.linear_mps) / along.seen;
+    set_sigma(2, along.tolerance);
+    set_sigma(3, along.tolerance);
+  }
+  if (says_slower(turn)) {
+    slow.mean(5) = no_faster(turn.seen, newest().twist.angular_radps);
+    set_sigma(5, turn.tolerance);
+  }
+  return slow;
+}
+
+}  // namespace pilotfish::control
