@@ -12,15 +12,16 @@ import os
 import socket
 
 _FIRST, _COUNT = 20000, 12000
+_APART = 7417  # the golden section of _COUNT: processes born one after the other begin far from each other
 _RECEIVE_BUFFER_BYTES = 4194304
 _calls = itertools.count()
 
 
 def free_udp_port() -> int:
     """A UDP port nobody on this host is bound to, another one with every call."""
-    start = os.getpid() * 16 + next(_calls)
-    for offset in range(_COUNT):
-        port = _FIRST + (start + offset) % _COUNT
+    start = os.getpid() * _APART
+    for call in itertools.islice(_calls, _COUNT):  # a taken port uses up its call: the next begins behind it
+        port = _FIRST + (start + call) % _COUNT
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
                 probe.bind(("", port))
