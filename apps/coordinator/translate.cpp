@@ -41,22 +41,8 @@ bus::StatusReport status_report(const StepResult& result, const Coordinator& coo
   report.latency_from_exposure = timing.from_exposure;
   report.rejected = rejected_by_bus;
   const vision::RejectionCounters& rejected = coordinator.rejected();
-  const auto count = [&report](const char* name, std::int64_t value) {
-    if (value > 0) report.rejected[name] = value;  // a datagram has room for 16 names
-  };
-  count("frames_invalid", rejected.frames_invalid);
-  count("tag_hamming", rejected.hamming);
-  count("tag_margin", rejected.margin);
-  count("tag_misfit", rejected.misfit);
-  count("tag_foreign_id", rejected.foreign_id);
-  count("tag_duplicate_id", rejected.duplicate_id);
-  count("tag_outside_frame", rejected.outside_frame);
-  count("tag_too_small", rejected.too_small);
-  count("tag_too_blurred", rejected.too_blurred);
-  count("tag_size", rejected.size);
-  count("pose_behind", rejected.behind);
-  count("pose_jump", rejected.jump);
-  count("pose", rejected.pose);
+  for (const vision::RejectionCounters::Named& each : vision::RejectionCounters::all())
+    if (rejected.*each.count > 0) report.rejected[each.name] = rejected.*each.count;  // there is room for 16 names
   return report;
 }
 

@@ -54,12 +54,9 @@ bool is_finite(const RelativeMeasurement& m) {
 /// Field by field, with every counter of two.
 template <class Combine>
 RejectionCounters combined(const RejectionCounters& a, const RejectionCounters& b, Combine combine) {
-  using C = RejectionCounters;
   RejectionCounters result;
-  for (std::int64_t C::*counter :
-       {&C::frames_invalid, &C::hamming, &C::margin, &C::misfit, &C::foreign_id, &C::duplicate_id, &C::outside_frame,
-        &C::too_small, &C::too_blurred, &C::size, &C::behind, &C::jump, &C::pose})
-    result.*counter = combine(a.*counter, b.*counter);
+  for (const RejectionCounters::Named& each : RejectionCounters::all())
+    result.*each.count = combine(a.*each.count, b.*each.count);
   return result;
 }
 
@@ -123,6 +120,24 @@ void note(Reason refusal, RejectionCounters& rejected) {
 }
 
 }  // namespace
+
+const std::array<RejectionCounters::Named, 13>& RejectionCounters::all() noexcept {
+  using C = RejectionCounters;
+  static const std::array<Named, 13> table = {{{"frames_invalid", &C::frames_invalid},
+                                               {"tag_hamming", &C::hamming},
+                                               {"tag_margin", &C::margin},
+                                               {"tag_misfit", &C::misfit},
+                                               {"tag_foreign_id", &C::foreign_id},
+                                               {"tag_duplicate_id", &C::duplicate_id},
+                                               {"tag_outside_frame", &C::outside_frame},
+                                               {"tag_too_small", &C::too_small},
+                                               {"tag_too_blurred", &C::too_blurred},
+                                               {"tag_size", &C::size},
+                                               {"pose_behind", &C::behind},
+                                               {"pose_jump", &C::jump},
+                                               {"pose", &C::pose}}};
+  return table;
+}
 
 const std::vector<Parameter<LeaderObserverConfig>>& LeaderObserverConfig::parameters() {
   static const std::vector<Parameter<LeaderObserverConfig>> table = {

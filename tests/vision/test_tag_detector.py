@@ -5,22 +5,11 @@ import sys
 
 import numpy as np
 import pytest
-from pinhole_drawing import Photography, corners_px, draw, leader_pose, pose, rotation
+from pinhole_drawing import FAMILIES, Photography, corners_px, draw, leader_pose, pose, rotation
 
 from pilotfish.core import BodyTag, CameraModel, Reason
 from pilotfish.vision import TagDetector, TagDetectorConfig, TagFamily
 
-FAMILIES = [
-    "tag36h11",
-    "tag36h10",
-    "tag25h9",
-    "tag16h5",
-    "tagStandard41h12",
-    "tagStandard52h13",
-    "tagCircle21h7",
-    "tagCircle49h12",
-    "tagCustom48h12",
-]
 CAMERA = CameraModel(width=320, height=240, fx=600, fy=600, cx=159.5, cy=119.5)
 
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -39,6 +40,12 @@ struct RejectionCounters {
   std::int64_t behind = 0;         ///< poses behind the camera, or that show a tag's back
   std::int64_t jump = 0;           ///< leaders farther from where they were than anything can have moved
   std::int64_t pose = 0;           ///< corners that no credible pose explains
+
+  struct Named {
+    const char* name;  ///< on the wire
+    std::int64_t RejectionCounters::*count;
+  };
+  static const std::array<Named, 13>& all() noexcept;
 };
 
 /// What one picture says about the leader: an observation, or the reason why there is none.
