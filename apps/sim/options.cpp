@@ -18,8 +18,8 @@ Examples
       on a bus of its own: another port, which the coordinators have to be told too
 
 Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --announce every leader's
-twist on NAME_MOTION; each robot that follows another is
-driven by what comes in on NAME_COMMAND. A setpoint in the scenario is sent on NAME_SETPOINT before the first picture.
+twist on NAME_MOTION; each robot that follows another is driven by what comes in on NAME_COMMAND. A setpoint in the
+scenario is sent on NAME_SETPOINT before the first picture.
 
 Ends with 0 when the scenario is over or on SIGINT/SIGTERM, 64 on a wrong command line, 69 if the bus or the recording
 cannot be opened, 70 if a coordinator does not answer, 78 on a bad scenario (the message names the key).)";

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -16,5 +18,10 @@ struct Checked {
   static Checked accept(Value value) { return {std::move(value), {}}; }
   static Checked reject(std::string_view rejection) { return {std::nullopt, rejection}; }
 };
+
+/// Of a message's utime: half of the range, so that whoever subtracts two times cannot overflow.
+inline bool is_usable_time(std::int64_t utime) {
+  return utime >= 0 && utime <= std::numeric_limits<std::int64_t>::max() / 2;
+}
 
 }  // namespace pilotfish::bus

@@ -77,9 +77,7 @@ Checked<Frame> decode_image(const void* data, std::size_t size_bytes) {
     return Result::reject("image_corrupt");
   if (image.width < 1 || image.height < 1) return Result::reject("image_size_mismatch");
   if (image.width > kMaxFrameSide || image.height > kMaxFrameSide) return Result::reject("image_too_large");
-  // Half of the range, so that whoever subtracts two times cannot overflow.
-  if (image.utime < 0 || image.utime > std::numeric_limits<std::int64_t>::max() / 2)
-    return Result::reject("image_time_invalid");
+  if (!is_usable_time(image.utime)) return Result::reject("image_time_invalid");
 
   switch (image.pixelformat) {
     case image_t::PIXEL_FORMAT_GRAY: {

@@ -82,9 +82,6 @@ bool decode_whole(Message& message, const void* data, std::size_t size_bytes) {
          message.decode(data, 0, static_cast<int>(size_bytes)) == static_cast<int>(size_bytes);
 }
 
-/// Half of the range, as for images, so that whoever subtracts two times cannot overflow.
-bool is_usable_time(std::int64_t utime) { return utime >= 0 && utime <= std::numeric_limits<std::int64_t>::max() / 2; }
-
 constexpr double kUnitWithin = 0.01;  // what rounding to single precision and a sloppy sender leave of 1
 
 bool is_sound_command(const void* data, std::size_t size_bytes) {

@@ -53,12 +53,9 @@ std::string_view to_string(AnnouncementUse use) noexcept {
 bool AnnouncedMotion::announce(std::int64_t utime, const Twist& twist) noexcept {
   // Not a number is not within a bound either.
   if (!(std::abs(twist.linear_mps) <= kAbsurd_mps) || !(std::abs(twist.angular_radps) <= kAbsurd_radps)) return false;
-  if (count_ > 0 && utime <= newest().utime) return false;
-  if (count_ == static_cast<int>(heard_.size())) {
-    std::move(heard_.begin() + 1, heard_.end(), heard_.begin());
-    --count_;
-  }
-  heard_[count_++] = {twist, utime};
+  if (heard() && utime <= newest().utime) return false;
+  if (heard_.full()) heard_.pop_front();
+  heard_.push_back({twist, utime});
   return true;
 }
 
@@ -89,9 +86,10 @@ std::array<AnnouncedMotion::Axis, 2> AnnouncedMotion::axes(const LeaderEstimate&
 /// may just be late.
 bool AnnouncedMotion::holds(const Axis& axis, std::int64_t utime) const noexcept {
   double least = newest().twist.*axis.of, most = least;
-  for (int i = count_ - 1; i >= 0 && seconds_between(heard_[i].utime, utime) <= config_.confirmed_within_s; --i) {
-    least = std::min(least, heard_[i].twist.*axis.of);
-    most = std::max(most, heard_[i].twist.*axis.of);
+  for (const Announcement& said : heard_) {
+    if (seconds_between(said.utime, utime) > config_.confirmed_within_s) continue;
+    least = std::min(least, said.twist.*axis.of);
+    most = std::max(most, said.twist.*axis.of);
   }
   return axis.seen >= least - axis.margin() && axis.seen <= most + axis.margin();
 }
@@ -102,8 +100,8 @@ bool AnnouncedMotion::says_slower(const Axis& axis) const noexcept {
 }
 
 AnnouncementUse AnnouncedMotion::judge(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept {
-  const double age_s = count_ > 0 ? seconds_between(newest().utime, utime) : 0.0;
-  if (count_ == 0 || age_s > config_.max_age_s || age_s < -kAhead_s) {
+  const double age_s = heard() ? seconds_between(newest().utime, utime) : 0.0;
+  if (!heard() || age_s > config_.max_age_s || age_s < -kAhead_s) {
     reset();
     return AnnouncementUse::silent;
   }

@@ -11,13 +11,6 @@ namespace {
 constexpr double kArc_s = 0.005;      // the path is made of arcs of so long; error below 0.01 mm for such robots
 constexpr double kForgotten_s = 2.0;  // after so long with one command the robot does just that
 
-/// The oldest of a list by time goes, the others move up.
-template <class Entries>
-void drop_first(Entries& entries, int& count) {
-  std::move(entries.begin() + 1, entries.begin() + count, entries.begin());
-  --count;
-}
-
 Twist plus(const Twist& a, const Twist& b, double factor) {
   return {a.linear_mps + factor * b.linear_mps, a.angular_radps + factor * b.angular_radps};
 }
@@ -45,8 +38,8 @@ OwnMotion::OwnMotion(const DriveModelConfig& drive, const LimitsConfig& limits) 
 
 void OwnMotion::command(const Twist& twist, std::int64_t acts_utime) noexcept {
   if (!is_finite(twist)) return;  // never obeyed: the coordinator stops instead
-  if (pending_count_ == static_cast<int>(pending_.size())) take_first_pending();
-  pending_[pending_count_++] = {twist, acts_utime};
+  if (pending_.full()) take_first_pending();
+  pending_.push_back({twist, acts_utime});
 }
 
 bool OwnMotion::measured(std::int64_t utime, const Twist& twist) noexcept {
@@ -56,9 +49,9 @@ bool OwnMotion::measured(std::int64_t utime, const Twist& twist) noexcept {
       !(std::abs(twist.angular_radps) <= kBeyondLimits * limits_.max_angular_radps))
     return false;
   if (started_ && utime <= utime_) return false;  // that time has been accounted for
-  if (measured_count_ > 0 && utime <= measured_[measured_count_ - 1].utime) return false;
-  if (measured_count_ == static_cast<int>(measured_.size())) drop_first(measured_, measured_count_);
-  measured_[measured_count_++] = {twist, utime};
+  if (!measured_.empty() && utime <= measured_.back().utime) return false;
+  if (measured_.full()) measured_.pop_front();
+  measured_.push_back({twist, utime});
   return true;
 }
 
@@ -67,10 +60,10 @@ void OwnMotion::advance_to(std::int64_t utime) noexcept {
   started_ = true;
   take_due_measurements();
   while (utime_ < utime) {
-    while (pending_count_ > 0 && pending_[0].acts_utime <= utime_) take_first_pending();
+    while (!pending_.empty() && pending_.front().acts_utime <= utime_) take_first_pending();
     std::int64_t next = utime;
-    if (pending_count_ > 0) next = std::min(next, pending_[0].acts_utime);
-    if (measured_count_ > 0) next = std::min(next, measured_[0].utime);
+    if (!pending_.empty()) next = std::min(next, pending_.front().acts_utime);
+    if (!measured_.empty()) next = std::min(next, measured_.front().utime);
     if (last_measured_utime_) next = std::min(next, covered_until(*last_measured_utime_));
     drive_for(seconds_between(utime_, next));
     utime_ = next;
@@ -82,9 +75,9 @@ void OwnMotion::advance_to(std::int64_t utime) noexcept {
 /// Since the measurement before, the error of the model has come to this, in a straight line: the mean of what is added
 /// is half of it, and the way is corrected by that at its end.
 void OwnMotion::take_due_measurements() noexcept {
-  while (measured_count_ > 0 && measured_[0].utime <= utime_) {
-    const Measured now = measured_[0];
-    drop_first(measured_, measured_count_);
+  while (!measured_.empty() && measured_.front().utime <= utime_) {
+    const Measured now = measured_.front();
+    measured_.pop_front();
     const Twist error = plus(now.twist, twist_, -1.0);
     if (last_measured_utime_) {
       const double since_s = seconds_between(*last_measured_utime_, now.utime);
@@ -106,8 +99,8 @@ void OwnMotion::forget_odometry() noexcept {
 }
 
 void OwnMotion::take_first_pending() noexcept {
-  acting_ = pending_[0].twist;
-  drop_first(pending_, pending_count_);
+  acting_ = pending_.front().twist;
+  pending_.pop_front();
 }
 
 void OwnMotion::drive_for(double duration_s) noexcept {

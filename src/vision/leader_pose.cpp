@@ -6,6 +6,7 @@
 
 #include "pilotfish/core/angles.hpp"
 #include "planar_pose.hpp"
+#include "tag_warp.hpp"
 #include "virtual_visual_servoing.hpp"
 
 namespace pilotfish::vision {
@@ -69,11 +70,6 @@ bool are_the_same(const PoseSolution& a, const PoseSolution& b) {
   return Eigen::AngleAxisd(a.cMo.linear().transpose() * b.cMo.linear()).angle() < kSameRotation_rad;
 }
 
-double area_px2(const TagSighting& tag) {
-  const Eigen::Vector2d a = tag.corners_px[2] - tag.corners_px[0], b = tag.corners_px[3] - tag.corners_px[1];
-  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
-}
-
 }  // namespace
 
 const std::vector<Parameter<LeaderPoseConfig>>& LeaderPoseConfig::parameters() {
@@ -103,7 +99,8 @@ std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const 
     const std::optional<SquareSighting> square = undistorted(camera, *on_body, measurement, config.corner_sigma_px);
     if (!square) return std::nullopt;
     squares.push_back(*square);
-    if (largest_seen == nullptr || area_px2(measurement.tag) > area_px2(*largest_seen)) {
+    if (largest_seen == nullptr ||
+        quadrilateral_area(measurement.tag.corners_px) > quadrilateral_area(largest_seen->corners_px)) {
       largest = on_body;
       largest_seen = &measurement.tag;
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/utime.hpp"
 #include "virtual_visual_servoing.hpp"
 
 namespace pilotfish::vision {
@@ -29,8 +30,7 @@ const std::vector<Parameter<LeaderTrackConfig>>& LeaderTrackConfig::parameters()
 }
 
 double LeaderTrack::seconds_since(std::int64_t utime) const noexcept {
-  // Two times off a wire may be farther apart than an int64 can say; as doubles they are exact up to the year 2255.
-  return seen_ ? (static_cast<double>(utime) - static_cast<double>(utime_)) * 1e-6 : 0.0;
+  return seen_ ? seconds_between(utime_, utime) : 0.0;
 }
 
 std::optional<Eigen::Isometry3d> LeaderTrack::predict(std::int64_t utime) const noexcept {

@@ -93,17 +93,14 @@ void take_pixels(const ImageView& image, const CameraModel& camera, const TagWar
   samples.count = 0;
   const double reach = 1.0 + 0.5 * pattern.cell_side;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-  std::array<Eigen::Vector2d, 4> rim;
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    rim[i] = warp.pixel(camera, warp.flat(reach * tag_corners()[i]));
-    low = low.cwiseMin(rim[i]);
-    high = high.cwiseMax(rim[i]);
+  const std::array<Eigen::Vector2d, 4> rim = tag_corners_px(camera, warp, reach);
+  for (const Eigen::Vector2d& corner : rim) {
+    low = low.cwiseMin(corner);
+    high = high.cwiseMax(corner);
   }
   // A tag seen from the side is small one way only. Where it has more pixels than there is room for, the golden section
   // leaves some out everywhere.
-  const Eigen::Vector2d diagonal = rim[2] - rim[0], other = rim[3] - rim[1];
-  const double area_px = 0.5 * std::abs(diagonal.x() * other.y() - diagonal.y() * other.x());
-  const double kept_share = (PrintSamples::kCapacity - 16) / std::max(area_px, 1.0);
+  const double kept_share = (PrintSamples::kCapacity - 16) / std::max(quadrilateral_area(rim), 1.0);
   int turn = 0;
   low = low.cwiseMax(Eigen::Vector2d::Zero());
   high = high.cwiseMin(Eigen::Vector2d(image.width - 1.0, image.height - 1.0));

@@ -91,11 +91,19 @@ inline const std::array<Eigen::Vector2d, 4>& tag_corners() {
   return corners;
 }
 
-/// The same in the picture [px].
-inline std::array<Eigen::Vector2d, 4> tag_corners_px(const CameraModel& camera, const TagWarp& warp) {
+/// The same in the picture [px], or those of a square `reach` times as large.
+inline std::array<Eigen::Vector2d, 4> tag_corners_px(const CameraModel& camera, const TagWarp& warp,
+                                                     double reach = 1.0) {
   std::array<Eigen::Vector2d, 4> corners_px;
-  for (std::size_t i = 0; i < corners_px.size(); ++i) corners_px[i] = warp.pixel(camera, warp.flat(tag_corners()[i]));
+  for (std::size_t i = 0; i < corners_px.size(); ++i)
+    corners_px[i] = warp.pixel(camera, warp.flat(reach * tag_corners()[i]));
   return corners_px;
+}
+
+/// Half the cross product of the diagonals.
+inline double quadrilateral_area(const std::array<Eigen::Vector2d, 4>& corners) {
+  const Eigen::Vector2d a = corners[2] - corners[0], b = corners[3] - corners[1];
+  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
 }
 
 }  // namespace pilotfish::vision

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "pilotfish/control/leader_motion_estimator.hpp"
+#include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/twist.hpp"
 
 namespace pilotfish::control {
@@ -49,7 +50,7 @@ class AnnouncedMotion {
   /// False, and nothing changes, unless it is finite, of this world and newer than the last.
   bool announce(std::int64_t utime, const Twist& twist) noexcept;
 
-  bool heard() const { return count_ > 0; }
+  bool heard() const { return !heard_.empty(); }
 
   /// Once a frame, with the leader as vision alone has it at that frame's time, seen from `own`.
   AnnouncementUse judge(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept;
@@ -67,7 +68,7 @@ class AnnouncedMotion {
     Twist twist;
     std::int64_t utime = 0;
   };
-  const Announcement& newest() const { return heard_[count_ - 1]; }
+  const Announcement& newest() const { return heard_.back(); }
   struct Axis {  // speed along the heading, or turn rate
     double Twist::*of;
     double seen, sigma, tolerance;
@@ -79,8 +80,7 @@ class AnnouncedMotion {
   AnnouncementUse suspend(std::int64_t utime) noexcept;
 
   AnnouncementConfig config_;
-  std::array<Announcement, 64> heard_;  ///< by time; when full, the oldest is forgotten
-  int count_ = 0;
+  BoundedVector<Announcement, 64> heard_;  ///< by time; when full, the oldest is forgotten
   std::optional<std::int64_t> agreeing_since_, suspended_until_;
   std::array<std::optional<double>, 2> claims_;  ///< by axis: how slow the leader said it was, not yet seen
 };

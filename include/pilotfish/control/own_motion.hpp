@@ -1,11 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
 
 #include "pilotfish/control/limits.hpp"
+#include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 
 namespace pilotfish::control {
@@ -83,11 +83,9 @@ class OwnMotion {
   bool started_ = false;
   std::int64_t utime_ = 0;
   Pose2 pose_;
-  Twist twist_, set_value_, acting_;  ///< of the model
-  std::array<Command, 16> pending_;   ///< by time; when full, the oldest acts early
-  int pending_count_ = 0;
-  std::array<Measured, 64> measured_;  ///< still ahead of utime_, by time; when full, the oldest is forgotten
-  int measured_count_ = 0;
+  Twist twist_, set_value_, acting_;      ///< of the model
+  BoundedVector<Command, 16> pending_;    ///< by time; when full, the oldest acts early
+  BoundedVector<Measured, 64> measured_;  ///< still ahead of utime_, by time; when full, the oldest is forgotten
   std::optional<std::int64_t> last_measured_utime_;  ///< of the last one that utime_ has reached; empty: too long ago
   Twist model_error_;                                ///< measured minus model; zero without odometry
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -22,6 +23,13 @@ class BoundedVector {
     if (!full()) values_[size_++] = std::move(value);
   }
 
+  /// The oldest of a list by time goes, the others move up.
+  void pop_front() noexcept {
+    if (empty()) return;
+    std::move(begin() + 1, end(), begin());
+    --size_;
+  }
+
   T* begin() { return values_.data(); }
   T* end() { return values_.data() + size_; }
   const T* begin() const { return values_.data(); }
@@ -30,6 +38,7 @@ class BoundedVector {
   const T& operator[](std::size_t i) const { return values_[i]; }
   T& front() { return values_[0]; }
   const T& front() const { return values_[0]; }
+  const T& back() const { return values_[size_ - 1]; }
 
  private:
   std::array<T, N> values_{};
