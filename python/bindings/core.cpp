@@ -71,6 +71,10 @@ PYBIND11_MODULE(core, m) {
       .value("tag_size_implausible", Reason::tag_size_implausible)
       .value("leader_behind_camera", Reason::leader_behind_camera)
       .value("leader_jumped", Reason::leader_jumped)
+      .value("camera_frozen", Reason::camera_frozen)
+      .value("frame_time_implausible", Reason::frame_time_implausible)
+      .value("another_coordinator", Reason::another_coordinator)
+      .value("internal_error", Reason::internal_error)
       .def_property_readonly("text", [](Reason reason) { return std::string(to_string(reason)); });
 
   py::class_<Frame>(m, "Frame", "One gray picture and the instant of its exposure.")
@@ -92,6 +96,8 @@ PYBIND11_MODULE(core, m) {
           py::arg("data"), py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"),
           py::arg("utime"))
       .def_readonly("utime", &Frame::utime)
+      .def_readwrite("known_age_us", &Frame::known_age_us,
+                     "What is known to have passed between exposure and arrival; can only make a frame older.")
       .def_property_readonly("width", [](const Frame& frame) { return frame.image.width; })
       .def_property_readonly("height", [](const Frame& frame) { return frame.image.height; })
       .def_property_readonly(

@@ -15,7 +15,7 @@ static_assert(static_cast<int>(Status::coasting) == command_t::STATUS_COASTING);
 static_assert(static_cast<int>(Status::lost) == command_t::STATUS_LOST);
 static_assert(static_cast<int>(Status::stopped) == command_t::STATUS_STOPPED);
 static_assert(static_cast<int>(Status::invalid_input) == command_t::STATUS_INVALID_INPUT);
-constexpr int kLastReason = static_cast<int>(Reason::leader_jumped);
+constexpr int kLastReason = static_cast<int>(Reason::internal_error);
 
 std::string words(Status status, Reason reason) {
   std::string text(to_string(status));
@@ -86,8 +86,8 @@ constexpr double kUnitWithin = 0.01;  // what rounding to single precision and a
 
 bool is_sound_command(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
-  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 2 * 8 + 2 * 8 + 2;
-  return reader.skip(kBeforeText) && reader.skip_string() && reader.at_end();
+  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 4 * 8 + 2 * 8 + 3, kMac = 32;
+  return reader.skip(kBeforeText) && reader.skip_string() && reader.skip(kMac) && reader.at_end();
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ command_t encode(const CommandReport& report, std::string_view& repaired) {
   const bool finite = is_finite(report.command);
   if (!finite) repaired = "command_not_finite";
   const Reason reason = finite ? report.reason : Reason::law_not_finite;
-  command_t message;
+  command_t message{};
   message.utime = report.utime;
   message.counter = report.counter;
   message.linear_mps = finite ? report.command.linear_mps : 0.0;
@@ -194,7 +194,7 @@ std::optional<motion_t> encode(const MotionReport& report) {
 }
 
 setpoint_t encode(const Setpoint& setpoint, std::int64_t utime) {
-  setpoint_t message;
+  setpoint_t message{};
   message.utime = utime;
   message.distance_m = setpoint.distance_m;
   message.bearing_rad = setpoint.bearing_rad;

@@ -38,6 +38,10 @@ std::string_view to_string(Reason reason) noexcept {
     case Reason::tag_size_implausible: return "a tag of the leader has a size that it cannot have at any range";
     case Reason::leader_behind_camera: return "the leader's pose is behind the camera or shows a tag's back";
     case Reason::leader_jumped: return "the leader is farther from where it was than it can have moved";
+    case Reason::camera_frozen: return "the camera shows the same pixels again and again";
+    case Reason::frame_time_implausible: return "the frame's time does not fit the time that has passed";
+    case Reason::another_coordinator: return "another coordinator sends commands under this name";
+    case Reason::internal_error: return "the program failed";
   }
   return "unknown";
 }

@@ -31,6 +31,9 @@ struct Frame {
   std::int64_t utime = 0;  ///< exposure time [us], the clock of whoever took the picture
   ImageView image;
   std::shared_ptr<const void> pixels_owner;  ///< keeps image.data alive; empty if the caller does
+  /// What is known to have passed between exposure and arrival [us]: a driver's time stamp, or the wall clock if the
+  /// sender shares it. 0: nothing is known. Negative: the stamp is of the future. It can only make a frame older.
+  std::int64_t known_age_us = 0;
 
   /// Takes the pixels over (stride = width). Sizes are not checked here: check(frame.image) does, at the point of use.
   static Frame from_pixels(std::int64_t utime, int width, int height, std::vector<std::uint8_t> pixels);

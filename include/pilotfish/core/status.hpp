@@ -38,6 +38,10 @@ enum class Reason {
   tag_size_implausible,       ///< a tag of the leader, larger or smaller than it can be at any range that is believed
   leader_behind_camera,       ///< the pose puts a tag behind the camera or shows its back
   leader_jumped,              ///< farther from where it was than anything can have moved
+  camera_frozen,              ///< the same pixels again and again, where a sensor would show noise
+  frame_time_implausible,     ///< the stamp does not fit the time that has passed here
+  another_coordinator,        ///< somebody else sends commands under this robot's name
+  internal_error,             ///< an exception left the loop
 };
 
 std::string_view to_string(Status status) noexcept;
