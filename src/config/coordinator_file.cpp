@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/yaml_section.hpp"
@@ -54,6 +55,19 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   root.finish();
 }
 
+/// A camera that is slower than measurements die makes the robot stutter: it must be told to wait longer, at less
+/// speed.
+void check_frame_rate(const YamlSection& root, const CoordinatorFile& file) {
+  const double max_age_s = file.coordinator.safety.max_age_s;
+  if (file.frame_rate_hz * max_age_s >= kMinFramesPerMaxAge * (1.0 - 1e-9)) return;
+  std::ostringstream problem;
+  problem << file.frame_rate_hz << " is too slow: with safety.max_age_s " << max_age_s << " at least "
+          << kMinFramesPerMaxAge / max_age_s << " Hz are needed. A slow camera may ask for safety.max_age_s up to 0.25 "
+          << "together with control.limits.max_linear_mps and max_reverse_mps of at most " << kMaxBlindTravel_m
+          << " m / max_age_s";
+  throw root.error("frame_rate_hz", problem.str());
+}
+
 }  // namespace
 
 std::string announcements_from(const std::string& name) {
@@ -96,6 +110,7 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   if (root.optional("tuning")) load_tuning(root.file_path("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   read_section(root, "safety", config.safety);
+  check_frame_rate(root, file);
   root.finish();
   return file;
 }
