@@ -24,10 +24,10 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
   const auto stage = [&](const char* name, const StageTimes& times) {
     status.stages.push_back({name, times.counts(), times.max_ms()});
   };
-  stage("arrival to look", waited);
-  stage("look", looked);
-  stage("arrival to command", answered);
-  stage("beats late", sender.lateness);
+  stage("waited", waited);
+  stage("looked", looked);
+  stage("answered", answered);
+  stage("beats_late", sender.lateness);
   return status;
 }
 

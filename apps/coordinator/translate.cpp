@@ -4,10 +4,6 @@
 
 namespace pilotfish::apps {
 
-bus::CommandReport command_report(const StepResult& result, std::int64_t image_utime, std::int64_t counter) {
-  return {image_utime, counter, result.command, result.status, result.reason};
-}
-
 bus::ObservationReport observation_report(const StepResult& result, const StepTiming& timing) {
   return {result.utime, result.observation, result.reason, timing.latency_s};
 }
