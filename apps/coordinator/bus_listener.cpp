@@ -52,17 +52,7 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
   if (!config_.image_channel.empty())
     bus_.on_encoded_image(config_.image_channel, [this](const bus::EncodedImage& image) {
       const std::int64_t age_us = config_.simulated ? 0 : known_age_us(image.utime, image.arrival);
-      inbox_->put(PendingFrame{image.arrival, [this, image, age_us]() -> std::optional<Frame> {
-                                 std::string_view rejection;
-                                 std::optional<Frame> frame = bus::decode(image, rejection);
-                                 if (frame) {
-                                   frame->known_age_us = age_us;
-                                 } else {
-                                   const std::lock_guard lock(mutex_);
-                                   ++refused_[std::string(rejection)];
-                                 }
-                                 return frame;
-                               }});
+      inbox_->put(PendingFrame{image.arrival, [this, image, age_us] { return decode(image, age_us); }});
     });
   if (config_.odometry)
     bus_.on_pose(config_.robot, [this](const bus::MotionReport& own) {
@@ -75,6 +65,26 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
 }
 
 BusListener::~BusListener() { stop(); }
+
+std::optional<Frame> BusListener::decode(const bus::EncodedImage& image, std::int64_t age_us) {
+  if (image.width != config_.width || image.height != config_.height) {
+    // Not worth decoding. It goes on without pixels, so that the status says what is wrong.
+    Frame frame;
+    frame.utime = image.utime;
+    frame.image.width = frame.image.stride_bytes = image.width;
+    frame.image.height = image.height;
+    return frame;
+  }
+  std::string_view rejection;
+  std::optional<Frame> frame = bus::decode(image, rejection);
+  if (frame) {
+    frame->known_age_us = age_us;
+  } else {
+    const std::lock_guard lock(mutex_);
+    ++refused_pictures_[std::string(rejection)];
+  }
+  return frame;
+}
 
 void BusListener::hear_setpoint(const bus::SetpointReport& asked) {
   if (sender_ == nullptr) return;
@@ -126,7 +136,9 @@ void BusListener::note_refused() {
 
 Counters BusListener::refused() const {
   const std::lock_guard lock(mutex_);
-  return refused_;
+  Counters all = refused_;
+  for (const auto& [name, count] : refused_pictures_) all[name] += count;
+  return all;
 }
 
 }  // namespace pilotfish::apps

@@ -51,6 +51,7 @@ class BusListener {
   const bus::Bus& bus() const { return bus_; }
 
  private:
+  std::optional<Frame> decode(const bus::EncodedImage& image, std::int64_t age_us);
   void hear_setpoint(const bus::SetpointReport& asked);
   void run(const std::function<void(const std::string&)>& failed);
   void note_refused();
@@ -64,8 +65,8 @@ class BusListener {
   Counters refused_setpoints_;
   std::optional<std::int64_t> rival_;
   std::atomic<bool> stopping_{false};
-  mutable std::mutex mutex_;  ///< of refused_
-  Counters refused_;
+  mutable std::mutex mutex_;  ///< of the two below
+  Counters refused_, refused_pictures_;
   std::thread thread_;
 };
 

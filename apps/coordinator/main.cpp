@@ -193,6 +193,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   listening.setpoint = file.coordinator.setpoint;
   if (spec.kind == SourceSpec::Kind::lcm)
     listening.image_channel = spec.argument.empty() ? bus::channel(file.name, "IMAGE") : spec.argument;
+  listening.width = file.coordinator.camera.width;
+  listening.height = file.coordinator.camera.height;
   listening.simulated = simulated;
   listening.odometry = file.odometry == config::Odometry::pose;
   listening.announcements_from = file.announcements_from;
