@@ -26,6 +26,7 @@ struct ListenerConfig {
   double stop_distance_m = 0.0;
   Setpoint setpoint;          ///< what is kept at the start
   std::string image_channel;  ///< empty: frames do not come over the bus
+  int width = 0, height = 0;  ///< of the pictures that can be used [px]
   bool simulated = false;     ///< stamps of images are no wall clock's
   bool odometry = false;
   std::string announcements_from;  ///< empty: nobody

@@ -2,6 +2,7 @@
 // fingerprint is put in front, which a fuzzer does not guess.
 #include <cmath>
 
+#include "encoding.hpp"
 #include "fuzz_input.hpp"
 #include "report_codec.hpp"
 
@@ -35,13 +36,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   switch (which % 4) {
     case 0: {
       const auto bytes = message_of<setpoint_t>(input, fingerprint);
-      if (const auto setpoint = decode_setpoint(bytes.data(), bytes.size()); setpoint.value)
-        check_ranges(*setpoint.value, "setpoint");  // throws, if it does not hold
+      if (const auto setpoint = decode_setpoint(bytes.data(), bytes.size(), {}); setpoint.value)
+        check_ranges(setpoint.value->setpoint, "setpoint");  // throws, if it does not hold
       break;
     }
     case 1: {
       const auto bytes = message_of<command_t>(input, fingerprint);
-      if (const auto command = decode_command(bytes.data(), bytes.size()); command.value)
+      if (const auto command = decode_command(bytes.data(), bytes.size(), {}); command.value)
         require_sound(command.value->command);
       break;
     }

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <deque>
 #include <iterator>
-#include <optional>
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
@@ -19,16 +19,21 @@ namespace {
 using namespace pilotfish;
 
 struct Book {
-  std::optional<std::int64_t> measurement_arrived_us;  ///< of the last call that was given an observation
+  std::deque<std::int64_t> arrived_us;  ///< of the last calls that were given an observation
   bool run = true;
   std::int64_t steps = 0, moving = 0, tracked = 0, violations = 0;
 
+  void measured(std::int64_t now_us) {
+    arrived_us.push_back(now_us);
+    if (arrived_us.size() > 32) arrived_us.pop_front();
+  }
   void check(const Twist& command, std::int64_t now_us) {
     if (!std::isfinite(command.linear_mps) || !std::isfinite(command.angular_radps)) ++violations;
     if (command == Twist{}) return;
     ++moving;
-    const bool fresh =
-        measurement_arrived_us && now_us >= *measurement_arrived_us && now_us - *measurement_arrived_us <= 100'000;
+    const bool fresh = std::any_of(arrived_us.begin(), arrived_us.end(), [&](std::int64_t arrival_us) {
+      return now_us >= arrival_us && now_us - arrival_us <= 100'000;
+    });
     if (!run || !fresh) ++violations;
   }
 };
@@ -75,7 +80,7 @@ vision::Sight sight(probes::RandomNumbers& random, std::int64_t utime) {
     sight.reason = Reason::no_tag_found;
     return sight;
   }
-  Observation observation;
+  Observation& observation = sight.observation.emplace();
   observation.utime = utime;
   observation.distance_m = 0.5 + 4.0 * random.between(0.0, 1.0);
   observation.bearing_rad = random.between(0.0, 1.0) - 0.5;
@@ -83,7 +88,6 @@ vision::Sight sight(probes::RandomNumbers& random, std::int64_t utime) {
   observation.covariance = Eigen::Vector3d(1e-6, 1e-6, 1e-4).asDiagonal();
   observation.measured = {{observation.distance_m, observation.bearing_rad, observation.heading_rad},
                           observation.covariance};
-  sight.observation = observation;
   return sight;
 }
 
@@ -111,7 +115,7 @@ int main(int argc, char** argv) {
     const std::int64_t known_age_us =
         random.below(10) == 0 ? static_cast<std::int64_t>(random.bits()) >> random.below(64) : 0;
     const vision::Sight seen = sight(random, utime);
-    if (seen.observation) book.measurement_arrived_us = now_us;
+    if (seen.observation) book.measured(now_us);
     const StepResult result = coordinator.answer(utime, seen, {now_us}, known_age_us);
     if (result.status == Status::tracking) ++book.tracked;
     book.check(result.command, now_us);
