@@ -55,9 +55,11 @@ bool wait_for_stop_signal(int timeout_ms) {
 void set_last_words(const bus::LastWords* words) {
   last_words = words;
   struct sigaction action {};
-  action.sa_handler = [](int) { speak_last_words(); };
-  // Once, then the default: the fault comes again as soon as the handler returns, and the process dies of it as it
-  // would have. SIGABRT is raised again by abort() itself.
+  // Once, then the default, of which the process dies as it would have: the signal waits until the handler returns.
+  action.sa_handler = [](int signal) {
+    speak_last_words();
+    raise(signal);
+  };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (int signal : kFaults) sigaction(signal, &action, nullptr);
   std::set_terminate([] {

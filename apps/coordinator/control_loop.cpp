@@ -98,13 +98,26 @@ class Loop {
     }
     reporter_.setpoint_counter = std::max(reporter_.setpoint_counter, told.counter);
     parts_.sender.told(coordinator_.held(), told.stops_heard);
+    log_setpoint();
+  }
+
+  /// A flood of them must not become a flood of lines.
+  void log_setpoint() {
     const Setpoint& now = coordinator_.setpoint();
+    const MonotonicTime at = monotonic_now();
     if (logged_setpoint_ && logged_setpoint_->distance_m == now.distance_m &&
         logged_setpoint_->bearing_rad == now.bearing_rad && logged_setpoint_->run == now.run)
       return;  // repeated: nothing to say
+    if (logged_setpoint_ && seconds_between(setpoint_logged_at_, at) < kSetpointLines_s) {
+      ++setpoints_not_logged_;
+      return;
+    }
     logged_setpoint_ = now;
-    spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}", now.distance_m, degrees(now.bearing_rad),
-                 now.run ? "run" : "stop");
+    setpoint_logged_at_ = at;
+    spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}{}", now.distance_m, degrees(now.bearing_rad),
+                 now.run ? "run" : "stop",
+                 setpoints_not_logged_ > 0 ? " (" + std::to_string(setpoints_not_logged_) + " others not shown)" : "");
+    setpoints_not_logged_ = 0;
   }
 
   void hear(const ToldMotion& told) {
@@ -128,7 +141,10 @@ class Loop {
   RateMeter rate_;
   StepTiming timing_;
   std::optional<std::int64_t> last_utime_;
+  static constexpr double kSetpointLines_s = 0.5;
   std::optional<Setpoint> logged_setpoint_;
+  MonotonicTime setpoint_logged_at_;
+  std::int64_t setpoints_not_logged_ = 0;
   std::int64_t epochs_ = 0;
 };
 

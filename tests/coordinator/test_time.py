@@ -26,9 +26,7 @@ class Robot:
 
     def frame(self, utime, after_us=PERIOD_US, leader=True, known_age_us=0):
         self.now_us += after_us
-        return self.heart.answer(
-            utime, seen(utime) if leader else None, self.now_us, known_age_us=known_age_us
-        )
+        return self.heart.answer(utime, seen(utime) if leader else None, self.now_us, known_age_us=known_age_us)
 
     def drive(self, utime=1_000_000, frames=10):
         for k in range(frames):

@@ -24,7 +24,9 @@ FOURCC_GRAY = 1497715271  # bot_core's PIXEL_FORMAT_GRAY
 class Onboard:
     """A running coordinator with the bus around it. Use as a context manager."""
 
-    def __init__(self, folder: Path, *options: str, config: Path = LINE_CONFIG, robot: str = "robot1", simulated: bool = True) -> None:
+    def __init__(
+        self, folder: Path, *options: str, config: Path = LINE_CONFIG, robot: str = "robot1", simulated: bool = True
+    ) -> None:
         self.url = private_lcm_url()
         self.robot = robot
         self.commands: list[command_t] = []
