@@ -134,7 +134,7 @@ class Traffic:
         self.bus.publish_observation("robot1", bus.ObservationReport(utime=utime, observation=seen))
         self.bus.publish_command("robot1", bus.CommandReport(utime=utime, counter=utime))
         self.bus.publish_status("robot1", bus.StatusReport(utime=utime, rejected={"image_corrupt": 2}))
-        self.bus.publish_setpoint("robot1", core.Setpoint(distance_m=1.1), utime=utime)
+        self.bus.publish_setpoint("robot1", bus.SetpointReport(utime=utime, setpoint=core.Setpoint(distance_m=1.1)))
         self.bus.publish_pose("robot1", pose)
         self.bus.publish_motion("robot1", bus.MotionReport(utime=utime, twist=core.Twist(linear_mps=0.2)))
 
