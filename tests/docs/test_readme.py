@@ -59,6 +59,9 @@ CHECKS = {
     "pilotfish-coordinator --config data/config/coordinator.yaml --source camera:0": "no camera",
     "pilotfish-coordinator --config data/config/line.yaml": "real time",
     "pilotfish-sim --scenario data/scenarios/line.yaml --realtime": "real time",
+    "pilotfish stop robot1": "operator",
+    "pilotfish setpoint robot1 --distance-m 1.2 --bearing-deg -10": "operator",
+    "pilotfish resume robot1": "operator",
     "pilotfish-spy": "program",
     "lcm-logger run.log": "log",
     "lcm-logplayer run.log": "log",
@@ -121,6 +124,13 @@ def test_without_a_camera_it_says_so(desk):
     done = desk(command)
     assert done.returncode == 69
     assert "camera" in done.stderr
+
+
+def test_an_operator_is_told_that_there_is_no_robot_on_this_bus(desk):
+    for command in commands_checked_as("operator"):  # what they do to one that is there: tests/python/test_operating.py
+        done = desk(command)
+        assert done.returncode == 69
+        assert "no coordinator of robot1 is heard" in done.stderr
 
 
 def test_simulator_and_coordinator_meet_in_real_time_and_the_log_can_be_replayed(desk, tmp_path):
