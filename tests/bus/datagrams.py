@@ -37,12 +37,16 @@ def in_fragments(channel: bytes, payload: bytes, part_bytes: int, sequence: int 
     ]
 
 
-# What crashes every program that receives with liblcm 1.3.1: the second datagram's part goes to 2^32 - 1 bytes behind
-# the beginning of a buffer of 64 bytes; in liblcm's 32 bits its end is at 43 and passes the check.
-TWO_DATAGRAMS = [
-    fragment(b"X" + b"\0" + bytes(42), message_bytes=64, offset=0, number=0, fragments=3),
-    fragment(bytes(44), message_bytes=64, offset=0xFFFFFFFF, number=1, fragments=3),
-]
+def two_datagrams(channel: bytes) -> list[bytes]:
+    """What ends every program that receives with liblcm 1.3.1: the second datagram's part goes to 2^32 - 1 bytes behind
+    the beginning of a buffer of 64 bytes; in liblcm's 32 bits its end is at 43 and passes the check."""
+    return [
+        fragment(channel + b"\0" + bytes(42 - len(channel)), message_bytes=64, offset=0, number=0, fragments=3),
+        fragment(bytes(44), message_bytes=64, offset=0xFFFFFFFF, number=1, fragments=3),
+    ]
+
+
+TWO_DATAGRAMS = two_datagrams(b"X")
 
 
 class Sender:

@@ -19,11 +19,11 @@ void require_sound(const Twist& twist) {
 template <class Message>
 std::vector<std::uint8_t> message_of(const fuzz::FuzzInput& input, bool fingerprint) {
   std::vector<std::uint8_t> bytes;
+  bytes.reserve(input.left() + (fingerprint ? 8 : 0));  // exactly: the sanitizer sees a step behind its end
   if (fingerprint)
     for (int shift = 56; shift >= 0; shift -= 8)
       bytes.push_back(static_cast<std::uint8_t>(static_cast<std::uint64_t>(Message::getHash()) >> shift));
   bytes.insert(bytes.end(), input.data(), input.data() + input.left());
-  bytes.shrink_to_fit();
   return bytes;
 }
 

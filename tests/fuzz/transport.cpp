@@ -2,7 +2,9 @@
 //   u8   1: a fragment is made of the numbers below; 0: the bytes go in as they are; 2 bits sender; 5 bits time step
 //   made: u8 sequence, u16 message bytes, u16 offset, u8 number, u8 fragments
 //   u8   how many bytes (times 4 for those as they are), bytes
-#include <memory>
+#include <array>
+#include <utility>
+#include <vector>
 
 #include "fuzz_input.hpp"
 #include "reassembly.hpp"
@@ -12,24 +14,25 @@ using namespace pilotfish::bus;
 
 namespace {
 
-void append(std::vector<std::uint8_t>& bytes, std::uint32_t value, int size_bytes) {
-  for (int i = size_bytes - 1; i >= 0; --i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+std::uint8_t* put(std::uint8_t* at, std::uint32_t value, int size_bytes) {
+  for (int i = size_bytes - 1; i >= 0; --i) *at++ = static_cast<std::uint8_t>(value >> 8 * i);
+  return at;
 }
 
+/// In memory of exactly its size, so that the sanitizer sees a step behind its end.
 std::vector<std::uint8_t> next_datagram(fuzz::FuzzInput& input, bool made) {
-  std::vector<std::uint8_t> datagram;
+  std::array<std::uint8_t, 20> header{};
   if (made) {
-    append(datagram, 0x4c433033, 4);
-    append(datagram, input.number(1), 4);
-    append(datagram, input.number(2), 4);
-    append(datagram, input.number(2), 4);
-    append(datagram, input.number(1), 2);
-    append(datagram, input.number(1), 2);
+    std::uint8_t* at = put(header.data(), 0x4c433033, 4);
+    for (const auto& [taken_bytes, wire_bytes] : {std::pair{1, 4}, {2, 4}, {2, 4}, {1, 2}, {1, 2}})
+      at = put(at, input.number(static_cast<std::size_t>(taken_bytes)), wire_bytes);
   }
+  const std::size_t header_bytes = made ? header.size() : 0;
   std::size_t taken = 0;
   const std::uint8_t* bytes = input.bytes(input.number(1) * (made ? 1 : 4), taken);
-  datagram.insert(datagram.end(), bytes, bytes + taken);
-  datagram.shrink_to_fit();  // so that the sanitizer sees a step behind its end
+  std::vector<std::uint8_t> datagram(header_bytes + taken);
+  std::copy_n(header.begin(), header_bytes, datagram.begin());
+  std::copy_n(bytes, taken, datagram.begin() + static_cast<std::ptrdiff_t>(header_bytes));
   return datagram;
 }
 
