@@ -59,7 +59,8 @@ void read_into(const std::shared_ptr<Mailbox>& mailbox, std::unique_ptr<capture:
       mailbox->changed.notify_all();
       continue;
     }
-    if (source) spdlog::warn("the camera has gone; trying to open it again every second");
+    if (source && !source->ended()) continue;  // no picture yet
+    if (source) spdlog::warn("{}; trying to open it again every second", source->why_ended());
     source.reset();
     if (mailbox->changed.wait_for(lock, std::chrono::seconds(1), [&] { return mailbox->stop; })) return;
     lock.unlock();

@@ -19,6 +19,7 @@ class ImageFolder : public FrameSource {
     return gray_frame(read(picture.path.string()), picture.utime);
   }
 
+  std::string why_ended() const override { return next_ == pictures_.size() ? "no more pictures" : ""; }
   bool live() const override { return false; }
   std::string describe() const override { return description_; }
 
