@@ -152,6 +152,8 @@ int take(volatile Control& c, v4l2_buffer& buffer) {
   device.done.pop_front();
   buffer.index = done.index;
   buffer.bytesused = done.bytes_used;
+  buffer.length = static_cast<std::uint32_t>(page_rounded(c.buffer_bytes));
+  buffer.m.offset = buffer.index * buffer.length;
   buffer.sequence = done.sequence;
   buffer.flags = V4L2_BUF_FLAG_MAPPED | (c.error_flag ? V4L2_BUF_FLAG_ERROR : 0);
   const std::int64_t stamp_us = c.without_stamps == 1 ? 0 : done.exposed_us + c.stamp_shift_us;
