@@ -24,7 +24,7 @@ NUMBER = 90  # /dev/video90: hardly anyone has one
 
 # tests/probes/fake_camera.hpp, field by field
 SETUP = ["number", "rate_hz", "buffer_bytes"]
-FAULTS = ["pulled_out", "blocked", "late_us", "stamp_shift_us", "without_stamps", "error_flag", "bytes_short"]
+FAULTS = ["pulled_out", "blocked", "late_us", "stamp_shift_us", "stamp_kind", "error_flag", "bytes_short"]
 FAULTS += ["open_errno", "stream_errno", "granted_width", "slept_us"]
 SHOWN = ["first_picture", "picture_count"]
 COUNTERS = ["opens", "closes", "streaming", "filled", "dropped", "taken"]

@@ -47,9 +47,10 @@ class Camera : public FrameSource {
     text << "camera " << stream_.device().path() << " (" << format_.layout.width << "x" << format_.layout.height << " "
          << name_of(format_.layout.fourcc) << ", ";
     if (format_.frame_rate_hz > 0.0)
-      text << format_.frame_rate_hz << " Hz)";
+      text << format_.frame_rate_hz << " Hz";
     else
-      text << "rate unknown)";
+      text << "rate unknown";
+    text << ", stamps " << stream_.stamped() << ")";
     return text.str();
   }
 

@@ -55,6 +55,7 @@ const Format* find(std::uint32_t fourcc) {
 const std::vector<std::uint32_t>& readable_formats() {
   static const std::vector<std::uint32_t> codes = [] {
     std::vector<std::uint32_t> all;
+    all.reserve(kFormats.size());
     for (const Format& format : kFormats) all.push_back(format.fourcc);
     return all;
   }();

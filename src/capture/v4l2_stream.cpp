@@ -74,6 +74,7 @@ void V4l2Stream::map_buffers() {
     void* data = ::mmap(nullptr, buffer.length, PROT_READ, MAP_SHARED, device_.fd(), buffer.m.offset);
     if (data == MAP_FAILED) refuse(device_, "does not share its buffers");
     mappings_.push_back({static_cast<std::uint8_t*>(data), buffer.length});
+    last_ = buffer;
   }
   if (mappings_.size() < 2) throw CaptureError("the camera " + device_.path() + " has fewer than two buffers");
 }
@@ -81,6 +82,12 @@ void V4l2Stream::map_buffers() {
 void V4l2Stream::unmap_buffers() noexcept {
   for (const Mapping& mapping : mappings_) ::munmap(mapping.data, mapping.size_bytes);
   mappings_.clear();
+}
+
+const char* V4l2Stream::stamped() const {
+  if (!has_monotonic_stamp(last_)) return "nothing";
+  const bool exposure = (last_.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  return exposure ? "the exposure" : "the end of a picture";
 }
 
 std::optional<FilledBuffer> V4l2Stream::newest(std::chrono::milliseconds patience) {
@@ -106,7 +113,7 @@ std::optional<FilledBuffer> V4l2Stream::take_newest() {
     newest = next;
   }
   if (!newest || !why_ended_.empty()) return std::nullopt;
-  has_stamps_ = has_monotonic_stamp(*newest);
+  last_ = *newest;
   const Mapping& mapping = mappings_[newest->index];
   const bool usable = (newest->flags & V4L2_BUF_FLAG_ERROR) == 0 && newest->bytesused <= mapping.size_bytes;
   return FilledBuffer{*newest, mapping.data, usable ? newest->bytesused : 0, seen_empty_at_us};
@@ -128,7 +135,7 @@ std::optional<v4l2_buffer> V4l2Stream::take_one() {
 bool V4l2Stream::wait_until(std::int64_t deadline_us) {
   const std::int64_t left_us = deadline_us - monotonic_now().us;
   if (left_us <= 0) return false;
-  const std::int64_t slice_us = has_stamps_ ? left_us : std::min(left_us, kLookEveryUs);
+  const std::int64_t slice_us = has_monotonic_stamp(last_) ? left_us : std::min(left_us, kLookEveryUs);
   pollfd waiting{device_.fd(), POLLIN, 0};
   const int ready = ::poll(&waiting, 1, static_cast<int>((slice_us + 999) / 1000));
   if (ready < 0 && errno != EINTR) end("cannot be waited for", errno);

@@ -148,12 +148,22 @@ def test_the_age_is_counted_from_the_drivers_stamp_and_the_wall_clock_time_is_th
     assert np.median(np.abs(gaps - PERIOD_US * np.rint(gaps / PERIOD_US))) < 1_000
 
 
-@pytest.mark.parametrize("without_stamps", [0, 1, 2])
-def test_buffers_that_waited_for_a_late_reader_are_as_old_as_they_are(tmp_path, without_stamps):
+@pytest.mark.parametrize(
+    ("stamp_kind", "stamped"), enumerate(["the exposure", "nothing", "nothing", "the end of a picture"])
+)
+def test_a_camera_says_what_its_stamps_mean(tmp_path, stamp_kind, stamped):
+    camera = FakeCamera(tmp_path, {"scenes": scenes()}, rate_hz=RATE_HZ)
+    camera.stamp_kind = stamp_kind
+    with Reader(camera) as reader:
+        assert f", stamps {stamped}" in reader.open()["described"]
+
+
+@pytest.mark.parametrize("stamp_kind", [0, 1, 2, 3])
+def test_buffers_that_waited_for_a_late_reader_are_as_old_as_they_are(tmp_path, stamp_kind):
     """Four buffers are filled, then the driver drops pictures. Whoever comes after d dropped pictures gets one that is
     older than (d - 1) periods. Without a stamp, what is known is that the queue was empty before."""
     camera = FakeCamera(tmp_path, {"scenes": scenes()}, rate_hz=RATE_HZ)
-    camera.without_stamps = without_stamps
+    camera.stamp_kind = stamp_kind
     with opened(camera) as reader:
         reader.frame()
         resume_at = time.monotonic() + 30 * PERIOD_US / 1e6
@@ -278,7 +288,8 @@ def test_the_best_format_that_reaches_the_rate_is_chosen(tmp_path, formats, chos
     table = [(name, WIDTH, HEIGHT, rate_hz) for name, rate_hz in formats]
     camera = FakeCamera(tmp_path, {"scenes": scenes()}, formats=table)
     with Reader(camera, rate_hz=30) as reader:
-        assert reader.open()["described"] == f"camera {DEVICE} ({WIDTH}x{HEIGHT} {chosen}, 30 Hz)"
+        described = reader.open()["described"]
+    assert described == f"camera {DEVICE} ({WIDTH}x{HEIGHT} {chosen}, 30 Hz, stamps the exposure)"
 
 
 def test_a_camera_without_the_calibrations_size_is_refused_with_what_it_has(tmp_path):

@@ -146,6 +146,15 @@ int describe_interval(volatile Control& c, v4l2_frmivalenum& interval) {
   return 0;
 }
 
+std::uint32_t stamp_flags(volatile Control& c) {
+  switch (c.stamp_kind) {
+    case 0: return V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+    case 2: return V4L2_BUF_FLAG_TIMESTAMP_COPY;
+    case 3: return V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+    default: return V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
+  }
+}
+
 int take(volatile Control& c, v4l2_buffer& buffer) {
   if (!something_to_take(clock_us(CLOCK_MONOTONIC))) return fail(EAGAIN);
   const Done done = device.done.front();
@@ -155,11 +164,9 @@ int take(volatile Control& c, v4l2_buffer& buffer) {
   buffer.length = static_cast<std::uint32_t>(page_rounded(c.buffer_bytes));
   buffer.m.offset = buffer.index * buffer.length;
   buffer.sequence = done.sequence;
-  buffer.flags = V4L2_BUF_FLAG_MAPPED | (c.error_flag ? V4L2_BUF_FLAG_ERROR : 0);
-  const std::int64_t stamp_us = c.without_stamps == 1 ? 0 : done.exposed_us + c.stamp_shift_us;
+  buffer.flags = stamp_flags(c) | (c.error_flag ? V4L2_BUF_FLAG_ERROR : 0);
+  const std::int64_t stamp_us = c.stamp_kind == 1 ? 0 : done.exposed_us + c.stamp_shift_us;
   buffer.timestamp = {stamp_us / 1'000'000, stamp_us % 1'000'000};
-  if (c.without_stamps == 0) buffer.flags |= V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  if (c.without_stamps == 2) buffer.flags |= V4L2_BUF_FLAG_TIMESTAMP_COPY;
   c.taken = c.taken + 1;
   return 0;
 }
@@ -210,6 +217,7 @@ int answer(volatile Control& c, unsigned long request, void* argument) {
       auto& buffer = *static_cast<v4l2_buffer*>(argument);
       buffer.length = static_cast<std::uint32_t>(page_rounded(c.buffer_bytes));
       buffer.m.offset = buffer.index * buffer.length;
+      buffer.flags = stamp_flags(c);
       return 0;
     }
     case VIDIOC_QBUF: device.queued.push_back(static_cast<v4l2_buffer*>(argument)->index); return 0;

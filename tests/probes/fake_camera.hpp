@@ -26,7 +26,7 @@ struct Control {
   std::int64_t blocked;         // no buffer is ever filled
   std::int64_t late_us;         // from the exposure until the buffer can be had
   std::int64_t stamp_shift_us;  // added to stamps alone
-  std::int64_t without_stamps;  // 1: unknown kind of stamp, zero; 2: copied from elsewhere
+  std::int64_t stamp_kind;      // 0: of the exposure; 1: none; 2: copied from elsewhere; 3: of the end of the picture
   std::int64_t error_flag;      // V4L2_BUF_FLAG_ERROR on every buffer
   std::int64_t bytes_short;     // taken off bytesused
   std::int64_t open_errno;
