@@ -16,6 +16,7 @@
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
+#include "standard_streams.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {
@@ -151,6 +152,7 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace pilotfish;
   using namespace pilotfish::apps;
+  fill_missing_standard_streams();
   const ParsedOptions parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   if (parsed.options.describe_config) {

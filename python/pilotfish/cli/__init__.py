@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
 
 from pilotfish import __version__
+from pilotfish.cli import console
 from pilotfish.cli.demo import demo
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
@@ -26,6 +28,11 @@ app = typer.Typer(
 for command in (experiment, render, plot, learn_body, tune, demo):
     app.command()(command)
 app.add_typer(fuzzy_app, name="fuzzy")
+
+
+def main() -> None:
+    """The program ``pilotfish``."""
+    sys.exit(console.run(app))
 
 
 def _print_version(wanted: bool) -> None:
