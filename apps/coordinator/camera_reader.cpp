@@ -11,6 +11,12 @@
 
 namespace pilotfish::apps {
 
+namespace {
+
+constexpr std::chrono::milliseconds kOpenAgainEvery{250};
+
+}  // namespace
+
 struct CameraReader::Shared {
   std::unique_ptr<capture::FrameSource> source;
   OpenSource open;
@@ -33,14 +39,15 @@ struct CameraReader::Shared {
         inbox->put(PendingFrame{at, [frame = std::move(*frame)]() -> std::optional<Frame> { return frame; }});
         continue;
       }
-      if (source) spdlog::warn("the camera has gone; trying to open it again every second");
+      if (source && !source->ended()) continue;  // no picture yet
+      if (source) spdlog::warn("{}; trying to open it again", source->why_ended());
       source.reset();
-      if (stopped_within(std::chrono::seconds(1))) return;
+      if (stopped_within(kOpenAgainEvery)) return;
       try {
         source = open();
         spdlog::info("the camera is back: {}", source->describe());
       } catch (const capture::CaptureError&) {
-        source = nullptr;  // the next try comes in a second; the status already says that no frame arrives
+        source = nullptr;  // the next try comes; the status already says that no frame arrives
       }
     }
   }

@@ -32,6 +32,7 @@
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "real_time.hpp"
+#include "standard_streams.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {
@@ -258,6 +259,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
 int main(int argc, char** argv) {
   using namespace pilotfish;
   using namespace pilotfish::apps;
+  fill_missing_standard_streams();
   const ParsedOptions parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   const Options& options = parsed.options;

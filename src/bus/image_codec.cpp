@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "jpeg.hpp"
+#include "pilotfish/jpeg/jpeg.hpp"
 #include "wire_reader.hpp"
 
 namespace pilotfish::bus {
@@ -76,7 +76,7 @@ Checked<Frame> decode(const ImageHeader& header, const std::uint8_t* message, st
     case image_t::PIXEL_FORMAT_RGB: return frame_of(gray_from_colour(header, data, 0, 2));
     case image_t::PIXEL_FORMAT_BGR: return frame_of(gray_from_colour(header, data, 2, 0));
     default: {  // MJPEG: the header has passed its check
-      auto pixels = decode_jpeg(data, header.data_bytes, header.width, header.height);
+      auto pixels = jpeg::decode(data, header.data_bytes, {header.width, header.height});
       if (!pixels) return Result::reject("image_jpeg_refused");
       return frame_of(std::move(*pixels));
     }
@@ -101,7 +101,7 @@ std::optional<image_t> encode_image(const Frame& frame, bool raw) {
                   image.data.data() + static_cast<std::size_t>(v) * view.width);
   } else {
     image.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
-    image.data = encode_jpeg(view);
+    image.data = jpeg::encode(view);
     if (image.data.empty()) return std::nullopt;
   }
   image.size = static_cast<std::int32_t>(image.data.size());

@@ -27,7 +27,7 @@ std::string not_a_name(const std::string& name) {
 }
 
 void read_camera(YamlSection root, CoordinatorConfig& config) {
-  config.camera = load_calibration(root.file_path("calibration"));
+  config.camera = parse_calibration(root.file("calibration"));
   read_section(root, "mounting", config.mounting);
   root.finish();
 }
@@ -83,11 +83,17 @@ Odometry odometry_from(std::string_view name) {
 }
 
 void load_tuning(const std::filesystem::path& path, control::FollowerConfig& config) {
-  read_control(YamlSection::load(path), config);
+  parse_tuning(read_text_file(path), config);
 }
 
-CoordinatorFile load_coordinator(const std::filesystem::path& path) {
-  YamlSection root = YamlSection::load(path);
+void parse_tuning(const TextFile& text, control::FollowerConfig& config) {
+  read_control(YamlSection::parse(text), config);
+}
+
+CoordinatorFile load_coordinator(const std::filesystem::path& path) { return parse_coordinator(read_text_file(path)); }
+
+CoordinatorFile parse_coordinator(const TextFile& text) {
+  YamlSection root = YamlSection::parse(text);
   CoordinatorFile file;
   CoordinatorConfig& config = file.coordinator;
 
@@ -104,11 +110,11 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   config.control.velocity.control_period_s = config.control.drive.latency_s = 1.0 / file.frame_rate_hz;
 
   read_camera(root.section("camera"), config);
-  config.leader = load_leader_body(root.file_path("leader"));
-  config.control.law = load_fuzzy_controller(root.file_path("fuzzy"));
+  config.leader = parse_leader_body(root.file("leader"));
+  config.control.law = parse_fuzzy_controller(root.file("fuzzy"));
   read_section(root, "setpoint", config.setpoint);
   if (root.optional("vision")) read_vision(root.section("vision"), config.vision);
-  if (root.optional("tuning")) load_tuning(root.file_path("tuning"), config.control);
+  if (root.optional("tuning")) parse_tuning(root.file("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   read_section(root, "safety", config.safety);
   check_frame_rate(root, file);

@@ -3,11 +3,13 @@ fuzzy | demo``."""
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
 
 from pilotfish import __version__
+from pilotfish.cli import console
 from pilotfish.cli.demo import demo
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
@@ -29,6 +31,11 @@ for command in (stop, resume, setpoint, experiment, render, plot, learn_body, tu
     app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
+
+
+def main() -> None:
+    """The program ``pilotfish``."""
+    sys.exit(console.run(app))
 
 
 def _print_version(wanted: bool) -> None:
