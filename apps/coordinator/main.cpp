@@ -16,6 +16,7 @@
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
+#include "service_notify.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {
@@ -135,7 +136,10 @@ int run(const Options& options) {
     spdlog::info("ready: {}", source.description);
     const LoopConfig loop{file.name,          file.frame_rate_hz, file.coordinator.safety.max_age_s,
                           source.every_frame, options.json,       file.coordinator.control.drive.latency_s};
+    const ServiceNotify service(service_environment());
+    service.ready("looking through " + source.description);
     control_loop(loop, *source.feed, coordinator, bus, refused);
+    service.stopping();
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());
   } catch (const capture::CaptureError& error) {
