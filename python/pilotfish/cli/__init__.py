@@ -1,4 +1,4 @@
-"""The command line: ``pilotfish experiment | render | plot | learn-body | tune | fuzzy | demo``."""
+"""The command line: ``pilotfish experiment | render | plot | learn-body | tune | fuzzy | demo | doctor``."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import typer
 
 from pilotfish import __version__
 from pilotfish.cli.demo import demo
+from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.learn_body import learn_body
@@ -23,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (experiment, render, plot, learn_body, tune, demo):
+for command in (experiment, render, plot, learn_body, tune, demo, doctor):
     app.command()(command)
 app.add_typer(fuzzy_app, name="fuzzy")
 
