@@ -59,12 +59,9 @@ foreach(program ${system_programs} pilotfish-spy)
 endforeach()
 
 # --- documents --------------------------------------------------------------------------------------------------------
-add_custom_command(OUTPUT ${package_build}/changelog.gz
-  COMMAND sh -c "gzip -9nc ${PROJECT_SOURCE_DIR}/CHANGELOG.md > ${package_build}/changelog.gz"
-  DEPENDS ${PROJECT_SOURCE_DIR}/CHANGELOG.md VERBATIM)
-add_custom_target(pilotfish_system_files ALL DEPENDS ${compressed} ${package_build}/changelog.gz)
+add_custom_target(pilotfish_man_pages ALL DEPENDS ${compressed})
 file(GLOB guides ${PROJECT_SOURCE_DIR}/docs/*.md)
-install(FILES ${guides} ${package_build}/changelog.gz ${packaging}/debian/copyright
+install(FILES ${guides} ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${packaging}/debian/copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pilotfish)
 
 # --- the Debian package -------------------------------------------------------------------------------------------------
@@ -81,10 +78,12 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_CONTACT "Pilotfish developers <pilotfish@example.org>")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${PROJECT_DESCRIPTION}
- A coordinator robot looks at AprilTags on a leader, measures distance and bearing
- to it, and drives so that both take the values asked for: the onboard program, a
- simulator, a viewer of the LCM bus, and services for systemd.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "follows another robot by sight alone")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+    "A coordinator robot looks at AprilTags on a leader, measures distance
+and bearing to it, and drives so that both take the values asked for:
+the onboard program, a simulator, a viewer of the LCM bus, and services
+for systemd.")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "iproute2, systemd | systemd-standalone-sysusers | systemd-sysusers")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "default-jre, liblcm-java, libjchart2d-java, liblcm-bin, nftables")  # -spy; the rule
