@@ -59,9 +59,15 @@ foreach(program ${system_programs} pilotfish-spy)
 endforeach()
 
 # --- documents --------------------------------------------------------------------------------------------------------
-add_custom_target(pilotfish_man_pages ALL DEPENDS ${compressed})
+set(CPACK_PACKAGE_CONTACT "Pilotfish developers <pilotfish@example.org>")
+string(TIMESTAMP today "%a, %d %b %Y 00:00:00 +0000" UTC)  # of $SOURCE_DATE_EPOCH, if that is set
+file(WRITE ${package_build}/changelog "pilotfish (${PROJECT_VERSION}) unstable; urgency=medium\n\n"
+     "  * See CHANGELOG.md.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${today}\n")
+add_custom_command(OUTPUT ${package_build}/changelog.gz COMMAND gzip -9nfk ${package_build}/changelog
+  DEPENDS ${package_build}/changelog VERBATIM)
+add_custom_target(pilotfish_system_files ALL DEPENDS ${compressed} ${package_build}/changelog.gz)
 file(GLOB guides ${PROJECT_SOURCE_DIR}/docs/*.md)
-install(FILES ${guides} ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${packaging}/debian/copyright
+install(FILES ${guides} ${package_build}/changelog.gz ${PROJECT_SOURCE_DIR}/CHANGELOG.md ${packaging}/debian/copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pilotfish)
 
 # --- the Debian package -------------------------------------------------------------------------------------------------
@@ -75,7 +81,6 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_INSTALL_CMAKE_PROJECTS "${CMAKE_BINARY_DIR};${PROJECT_NAME};Unspecified;/")  # never the Python package
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_PACKAGE_CONTACT "Pilotfish developers <pilotfish@example.org>")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "follows another robot by sight alone")
