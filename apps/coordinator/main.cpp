@@ -5,7 +5,7 @@
 //   CameraReader  a live camera's frames             --> Inbox
 //   control_loop  Inbox --> Coordinator::step --> CommandSender, observation, status      (the main thread)
 //   CommandSender a command every period and at the deadline, whatever the others do
-//   Supervisor    signals, and that the end comes in time
+//   Supervisor    signals, the service manager, and that the end comes in time
 //
 // Nothing is opened before the configuration is known to be good.
 
@@ -32,8 +32,10 @@
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "real_time.hpp"
+#include "service_notify.hpp"
 #include "standard_streams.hpp"
 #include "stop_signal.hpp"
+#include "supervisor.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -118,52 +120,6 @@ int fail(int code, const std::string& message) {
 /// A coordinator that starts listens for another one of its name for so long; those speak every 50 ms.
 constexpr int kRivalWithin_ms = 300;
 
-/// Takes the signals, and sees to it that the program ends: at once if asked, and whatever a thread is stuck in.
-class Supervisor {
- public:
-  Supervisor(CommandSender& sender, Inbox& inbox) : sender_(sender), inbox_(inbox), thread_([this] { run(); }) {}
-  ~Supervisor() {
-    over_ = true;
-    thread_.join();
-  }
-  Supervisor(const Supervisor&) = delete;
-  Supervisor& operator=(const Supervisor&) = delete;
-
-  bool stop_requested() const { return stopping_; }
-  bool failed() const { return failed_; }
-  /// From any thread: zeros, and the end.
-  void fail(const std::string& problem) {
-    failed_ = true;
-    spdlog::critical("{}", problem);
-    stop(Reason::internal_error);
-  }
-
- private:
-  static constexpr int kLook_ms = 50;
-  static constexpr std::int64_t kEndWithin_us = 3'000'000;
-
-  void stop(Reason reason) {
-    sender_.finish(reason);
-    stopping_ = true;
-    inbox_.wake();
-  }
-  void run() {
-    std::optional<MonotonicTime> since;
-    while (!over_) {
-      if (wait_for_stop_signal(kLook_ms)) stop(Reason::told_to_stop);
-      if (!stopping_) continue;
-      if (!since) since = monotonic_now();
-      // The zeros have left long ago. Something does not come back from where it is.
-      if (monotonic_now().us - since->us > kEndWithin_us) std::_Exit(failed_ ? kSoftware : kOk);
-    }
-  }
-
-  CommandSender& sender_;
-  Inbox& inbox_;
-  std::atomic<bool> stopping_{false}, failed_{false}, over_{false};
-  std::thread thread_;
-};
-
 bool is_replay(const std::string& source) {
   using Kind = SourceSpec::Kind;
   const Kind kind = parse_source(source).kind;
@@ -231,6 +187,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   spdlog::info("ready: {}", source.description);
   const LoopConfig loop{file.name, session,      file.frame_rate_hz,
                         simulated, options.json, file.coordinator.control.drive.latency_s};
+  supervisor.ready(source.description);
   const LoopParts parts{*inbox,
                         source.pull,
                         sender,
@@ -238,7 +195,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         log,
                         [&] { return listener.refused(); },
                         [&] { return supervisor.stop_requested(); },
-                        [] {}};
+                        [&] { supervisor.looked(); }};
   try {
     control_loop(loop, parts, coordinator);
   } catch (const std::exception& error) {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "exit_codes.hpp"
+#include "version.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -51,6 +52,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   Options options;
   CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM."};
   app.footer(kExamples);
+  app.set_version_flag("--version", std::string("pilotfish-coordinator ") + kVersion, "print the version and end");
   auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/coordinator.yaml");
   app.add_option("--source", options.source, std::string("where frames come from: ") + kSources);
   app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");

@@ -6,6 +6,7 @@
 
 #include "exit_codes.hpp"
 #include "pilotfish/core/number.hpp"
+#include "version.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -48,6 +49,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   bool lockstep = false;
   CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus."};
   app.footer(kExamples);
+  app.set_version_flag("--version", std::string("pilotfish-sim ") + kVersion, "print the version and end");
   app.add_option("--scenario", options.scenario_path, "what to play, e.g. data/scenarios/line.yaml")->required();
   app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
   auto* real_time = app.add_flag("--realtime", options.real_time,

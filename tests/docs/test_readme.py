@@ -63,6 +63,7 @@ CHECKS = {
     "pilotfish setpoint robot1 --distance-m 1.2 --bearing-deg -10": "operator",
     "pilotfish resume robot1": "operator",
     "pilotfish-spy": "program",
+    "pilotfish doctor": "doctor",
     "lcm-logger run.log": "log",
     "lcm-logplayer run.log": "log",
     "pilotfish-coordinator --config data/config/line.yaml --source log:run.log --json": "log",
@@ -115,6 +116,13 @@ def test_an_experiment_ends_with_a_table_and_pictures(desk, tmp_path):
     assert done.returncode == 0, done.stderr
     assert "standing distance error" in done.stdout
     assert list((tmp_path / "out").glob("*.png"))
+
+
+def test_the_doctor_has_a_verdict(desk):
+    (command,) = commands_checked_as("doctor")
+    done = desk(command)
+    assert done.returncode in (0, 1), done.stderr
+    assert "multicast route" in done.stdout
 
 
 def test_without_a_camera_it_says_so(desk):
