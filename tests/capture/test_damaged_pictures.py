@@ -67,7 +67,7 @@ def test_a_jpeg_damaged_in_its_middle_is_never_half_a_picture(tmp_path):
     which no decoder can tell."""
     data = bytearray(encoded("L", format="JPEG", quality=95))
     zeroed = [bytes(data[:at] + b"\0" * 40 + data[at + 40 :]) for at in range(len(data) // 2, len(data) - 40, 61)]
-    assert None in read(tmp_path, *zeroed)
+    assert any(image is None for image in read(tmp_path, *zeroed))
 
 
 def test_a_jpeg_whose_header_promises_more_than_it_holds_costs_nothing(tmp_path):
