@@ -63,7 +63,7 @@ def test_every_truncation_of_a_jpeg_comes_without_pixels(tmp_path, options):
 
 
 def test_a_jpeg_that_ends_in_its_middle_comes_without_pixels(tmp_path):
-    """An end marker where data should be. (Damage that is still a valid code is another picture: no decoder can tell.)"""
+    """An end marker where data should be. (Damage that is a valid code is another picture: no decoder can tell.)"""
     data = encoded("L", format="JPEG", quality=95)
     ended = [data[:at] + b"\xff\xd9" + data[at + 2 :] for at in range(len(data) // 2, len(data) - 200, 61)]
     assert read(tmp_path, *ended) == [None] * len(ended)
