@@ -57,7 +57,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   app.add_flag("--announce", options.announce, "robots that others follow say on NAME_MOTION how they move");
   app.add_option("--record", options.record_path,
                  "CSV file for the truth and the commands, one row per robot and frame");
-  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(within(0.01, kLongest_s));
+  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(within(0.0, kLongest_s));
   app.add_option("--seed", options.seed, "of noise, clutter and dropped frames, instead of the scenario's")
       ->check(within(0, std::numeric_limits<int>::max()));
   app.add_option("--wait-s", options.wait_s, "how long to wait for the first answer of every coordinator")
