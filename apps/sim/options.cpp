@@ -61,7 +61,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
                  "file with the coordinators' key (their key_file), if they have one; made by pilotfish key new");
   app.add_option("--record", options.record_path,
                  "CSV file for the truth and the commands, one row per robot and frame");
-  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(within(0.01, kLongest_s));
+  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(within(0.0, kLongest_s));
   app.add_option("--seed", options.seed, "of noise, clutter and dropped frames, instead of the scenario's")
       ->check(within(0, std::numeric_limits<int>::max()));
   app.add_option("--wait-s", options.wait_s, "how long to wait for the first answer of every coordinator")

@@ -156,10 +156,10 @@ def read_csv(file: str | Path) -> dict[str, Recording]:
     lines = read_text(file, RecordingError).splitlines()
     notes = dict(line[1:].strip().partition(": ")[::2] for line in lines if line.startswith("#"))
     reader = csv.DictReader(line for line in lines if line and not line.startswith("#"))
-    if not {"robot", "leader"} <= set(reader.fieldnames or ()):
-        raise RecordingError(f"{file}: not a recording (no columns 'robot' and 'leader')")
     rows: dict[str, list[dict[str, str]]] = {}
     try:
+        if not {"robot", "leader"} <= set(reader.fieldnames or ()):
+            raise RecordingError(f"{file}: not a recording (no columns 'robot' and 'leader')")
         for row in reader:
             rows.setdefault(row["robot"], []).append(row)
     except csv.Error as error:

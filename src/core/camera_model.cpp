@@ -50,7 +50,9 @@ void check_lens(const CameraModel& camera) {
       const Eigen::Vector2d normalized = normalize_pixel(camera, pixel);
       const double error_px = (project_normalized(camera, normalized) - pixel).norm();
       const double stretch = (straight.norm() + 1e-9) / (normalized.norm() + 1e-9);
-      if (error_px < kMaxError_px && stretch < kMaxStretch && stretch > 1.0 / kMaxStretch) continue;  // false for NaN
+      // Behind a fold there is another solution: on the other side of the optical axis.
+      const bool same_side = straight.dot(normalized) >= 0.0;
+      if (error_px < kMaxError_px && same_side && stretch < kMaxStretch && stretch > 1.0 / kMaxStretch) continue;
       std::ostringstream problem;
       problem << "k1 = " << camera.k1 << ", k2 = " << camera.k2 << ", p1 = " << camera.p1 << ", p2 = " << camera.p2
               << ", k3 = " << camera.k3 << " is no lens: allowed is what leads every direction to a pixel of its own, "

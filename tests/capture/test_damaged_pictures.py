@@ -68,6 +68,11 @@ def test_a_jpeg_damaged_in_its_middle_is_never_half_a_picture(tmp_path):
     data = bytearray(encoded("L", format="JPEG", quality=95))
     zeroed = [bytes(data[:at] + b"\0" * 40 + data[at + 40 :]) for at in range(len(data) // 2, len(data) - 40, 61)]
     assert any(image is None for image in read(tmp_path, *zeroed))
+def test_a_jpeg_that_ends_in_its_middle_comes_without_pixels(tmp_path):
+    """An end marker where data should be. (Damage that is a valid code is another picture: no decoder can tell.)"""
+    data = encoded("L", format="JPEG", quality=95)
+    ended = [data[:at] + b"\xff\xd9" + data[at + 2 :] for at in range(len(data) // 2, len(data) - 200, 61)]
+    assert read(tmp_path, *ended) == [None] * len(ended)
 
 
 def test_a_jpeg_whose_header_promises_more_than_it_holds_costs_nothing(tmp_path):

@@ -169,7 +169,7 @@ def test_what_is_not_utf8_is_refused_with_the_byte_that_is_not(tmp_path, bytes_)
     with pytest.raises(UnicodeDecodeError):
         bytes_.decode("utf-8")  # Python agrees
     (tmp_path / "latin.yaml").write_bytes("name: fische \u00e4 \u20ac \U0001f41f ".encode() + bytes_)
-    with pytest.raises(ValueError, match=r"^file: .*latin\.yaml is not a text in UTF-8: byte 24 is none"):
+    with pytest.raises(ValueError, match=r"^file: .*latin\.yaml is not a text in UTF-8: byte 25 is none"):
         coordinator.load_coordinator(tmp_path / "latin.yaml")
 
 

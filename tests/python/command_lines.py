@@ -11,6 +11,7 @@ from pilotfish import data
 
 LAW = data.path("fuzzy/coordination.yaml")
 CALIBRATION = data.path("calibrations/sim_640x480.yaml")
+TUNING = data.path("tuned/pid.yaml")
 LEADER = data.path("leaders/three_faces.yaml")
 SCENARIO = data.path("scenarios/line.yaml")
 SHORT = ["--duration-s", "0.5", "--in-process", "--profile", "paper"]
@@ -42,7 +43,7 @@ def number(option, good):
 
 
 COMMANDS = {
-    "experiment": ["experiment", "line", *SHORT, read(LEADER, "--tuning"), folder()],
+    "experiment": ["experiment", "line", *SHORT, read(TUNING, "--tuning"), folder()],
     "experiment over LCM": ["experiment", "line", number("--duration-s", "0.5"), "--in-process"],
     "demo": ["demo", number("--duration-s", "0.5"), folder()],
     "render": ["render", read(SCENARIO), number("--frames", "1"), folder()],

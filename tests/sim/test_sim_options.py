@@ -7,7 +7,7 @@ import pytest
 from pilotfish import data
 from pilotfish.harness.executables import SIM, find_executable
 
-RANGES = {"--duration-s": "0.01 to 100000", "--wait-s": "0.01 to 100000", "--seed": "0 to 2147483647"}
+RANGES = {"--duration-s": "0 to 100000", "--wait-s": "0.01 to 100000", "--seed": "0 to 2147483647"}
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ def between(low: float, high: float, unit: str = "") -> Callable[[float | None],
 
     def check(value: float | None) -> float | None:
         if value is not None and not low <= value <= high:
-            raise typer.BadParameter(f"{value} is not in the range {low:g} to {high:g} {unit}".rstrip())
+            raise typer.BadParameter(f"{value} is not a number from {low:g} to {high:g} {unit}".rstrip())
         return value
 
     return check
