@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "jpeg.hpp"
+#include "pilotfish/jpeg/jpeg.hpp"
 #include "wire_reader.hpp"
 
 namespace pilotfish::bus {
@@ -62,7 +62,7 @@ std::optional<image_t> encode_image(const Frame& frame, bool raw) {
                   image.data.data() + static_cast<std::size_t>(v) * view.width);
   } else {
     image.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
-    image.data = encode_jpeg(view);
+    image.data = jpeg::encode(view);
     if (image.data.empty()) return std::nullopt;
   }
   image.size = static_cast<std::int32_t>(image.data.size());
@@ -94,7 +94,7 @@ Checked<Frame> decode_image(const void* data, std::size_t size_bytes) {
                                                gray_from_colour(image, red_first ? 0 : 2, red_first ? 2 : 0)));
     }
     case image_t::PIXEL_FORMAT_MJPEG: {
-      auto pixels = decode_jpeg(image.data.data(), image.data.size(), image.width, image.height);
+      auto pixels = jpeg::decode(image.data.data(), image.data.size(), {image.width, image.height});
       if (!pixels) return Result::reject("image_jpeg_refused");
       return Result::accept(Frame::from_pixels(image.utime, image.width, image.height, std::move(*pixels)));
     }

@@ -17,8 +17,9 @@ MAY_INCLUDE = {
     "vision": {"core"},
     "control": {"core", "fuzzy"},
     "coordinator": {"core", "vision", "control"},
-    "capture": {"core"},
-    "bus": {"core"},
+    "jpeg": {"core"},
+    "capture": {"core", "jpeg"},
+    "bus": {"core", "jpeg"},
     "sim": {"core"},
     "config": {"core", "fuzzy", "vision", "control", "coordinator", "sim"},
 }
