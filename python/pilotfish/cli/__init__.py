@@ -1,4 +1,4 @@
-"""The command line: ``pilotfish experiment | render | plot | learn-body | tune | fuzzy | demo``."""
+"""The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.learn_body import learn_body
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
+from pilotfish.cli.replay import replay
 from pilotfish.cli.tune import tune
 
 app = typer.Typer(
@@ -23,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (experiment, render, plot, learn_body, tune, demo):
+for command in (experiment, render, plot, replay, learn_body, tune, demo):
     app.command()(command)
 app.add_typer(fuzzy_app, name="fuzzy")
 
