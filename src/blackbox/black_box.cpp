@@ -146,7 +146,9 @@ void BlackBox::Shared::write(Event& event) {
     ++lost;
     if (event.kind != Event::Kind::other) has_gap = true;
   }
-  files = ring.files();
+  // A file that the ring had to begin by itself has no place to replay from yet.
+  const bool begun = files.exchange(ring.files()) != ring.files();
+  if (begun && event.kind != Event::Kind::start) has_gap = true;
   if (ring.is_full() && !asked_for_next) is_full = asked_for_next = true;
 }
 

@@ -22,11 +22,11 @@ else:
     subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(folder)], check=True)
 
 run = RecordedRun(folder, segment_mb=1, total_mb=100)
-handed_over, seed = 0, 0
-while handed_over < 12_000_000:
-    for _ in range(5):
+images, seed = 0, 0
+while images < 240 if len(sys.argv) == 2 else run.box.lost < 3:  # 12 MB, or three files
+    for _ in range(5 if len(sys.argv) == 2 else 0):
         run.message("ROBOT1_IMAGE", bytes(50_000))
-        handed_over += 50_000
+        images += 1
     drive_at_random(run, 20, seed)
     seed += 1
     run.flush()

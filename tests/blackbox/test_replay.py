@@ -4,11 +4,12 @@ import math
 import random
 import shutil
 
+import lcm
 import pytest
 from recorded_runs import CONFIG_PATH, LAWS, PERIOD_US, RecordedRun, drive_at_random, observation_at, wait_until
 from typer.testing import CliRunner
 
-from pilotfish import blackbox, coordinator, core, wire
+from pilotfish import blackbox, bus, coordinator, core, wire
 from pilotfish import data as shipped
 from pilotfish.black_box import events_in, replay
 from pilotfish.black_box.log import files_in
@@ -260,3 +261,42 @@ def test_events_wait_for_nobody(tmp_path):
     drive_at_random(run, 20, seed=9)
     wait_until(lambda: run.box.written >= 21)
     assert (run.box.dropped, run.box.lost, run.box.trouble) == (0, 0, "")
+
+
+def test_a_log_with_random_damage_is_replayed_without_a_traceback(tmp_path):
+    run = RecordedRun(tmp_path / "whole")
+    drive_at_random(run, 40, seed=21)
+    run.close()
+    (file,) = files_in(tmp_path / "whole")
+    whole = file.read_bytes()
+    chance = random.Random(5)
+    damaged = tmp_path / "damaged.lcmlog"
+    compared = 0
+    for _ in range(60):
+        content = bytearray(whole)
+        for _ in range(chance.choice([1, 1, 3, 30])):
+            # Behind the start, whose configuration would rightly be refused.
+            at = chance.randrange(len(content) // 2, len(content))
+            content[at] = chance.randrange(256)
+        damaged.write_bytes(content[: chance.choice([len(content), chance.randrange(len(content))])])
+        compared += replay(events_in(damaged)).frames
+    assert compared > 300
+
+
+def test_what_the_box_writes_is_an_lcm_log(tmp_path):
+    run = RecordedRun(tmp_path, picture_rate_hz=1000.0)
+    frames = leader_pictures(2)
+    run.message("ROBOT1_IMAGE", wire.encode_image(frames[0].image, utime=5, jpeg=True))
+    run.box.picture(frames[1])
+    run.look(frames[1], 9_000_000)
+    run.close()
+    (file,) = files_in(tmp_path)
+    log = lcm.EventLog(str(file), "r")
+    channels = []
+    while (event := log.read_next_event()) is not None:
+        channels.append(event.channel)
+    log.close()
+    assert channels == ["ROBOT1_BOX", "ROBOT1_IMAGE", "ROBOT1_IMAGE", "ROBOT1_STEP"]
+    pictures = list(bus.LogReader(str(file), channel="ROBOT1_IMAGE"))
+    assert [picture.utime for picture in pictures] == [5, frames[1].utime]
+    assert abs(pictures[1].image.astype(int) - frames[1].image).mean() < 2.0  # quality 95

@@ -35,7 +35,7 @@ def held_of(message: held_t) -> HeldCommand:
 def observation_of(message: measurement_t) -> core.Observation:
     """ValueError if it cannot be one."""
     other = None
-    if message.other_count:
+    if message.other_camera_from_leader:
         other = _pose(np.reshape(message.other_camera_from_leader, (3, 4)))
     return core.Observation(
         utime=message.utime,

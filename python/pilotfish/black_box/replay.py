@@ -144,7 +144,7 @@ class _Run:
             self.report.skipped += 1
             return
         try:
-            sight = messages.observation_of(message.measurement[0]) if message.measured else None
+            sight = messages.observation_of(message.measurement[0]) if message.measurement else None
         except ValueError:  # no pose: the event is damaged
             self.report.unreadable += 1
             self._core = None
@@ -215,7 +215,7 @@ class _Run:
     def _frame(self, event: Event, message: step_t, recorded_sight: core.Observation | None) -> None:
         self.report.frames += 1
         self.report.commands += 1
-        self.report.measured += message.measured
+        self.report.measured += len(message.measurement)
         self._frames_since_start += 1
         result = self._see(message) if self._from_pixels else None
         if result is not None:
@@ -278,7 +278,7 @@ class _Run:
 def _inputs(message: step_t) -> str:
     call = f"call {message.sequence}, {_KINDS.get(message.kind, 'unknown')}"
     if message.kind == step_t.KIND_FRAME:
-        seen = "measured" if message.measured else core.Reason(message.reason).name
+        seen = "measured" if message.measurement else core.Reason(message.reason).name
         return (
             f"{call} of {message.utime} us, arrived at {message.now_us} us, known age {message.known_age_us} us, {seen}"
         )
