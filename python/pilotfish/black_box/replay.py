@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pilotfish import blackbox, core
 from pilotfish.black_box import messages
 from pilotfish.black_box.log import Damage, Event
-from pilotfish.coordinator import Coordinator, StepResult, load_bundle
+from pilotfish.coordinator import Coordinator, CoordinatorFile, HeldCommand, StepResult, load_bundle
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import box_start_t, sent_t, step_t
 
@@ -100,7 +100,7 @@ class _Run:
         self.report = ReplayReport()
         self._from_pixels = from_pixels
         self._core: Coordinator | None = None
-        self._config: tuple[bytes, object] = (b"", None)
+        self._config: tuple[bytes, CoordinatorFile | None] = (b"", None)
         self._session = 0
         self._next = -1  # sequence of the call that must come
         self._sees = False  # what the eyes remember is known
@@ -192,7 +192,7 @@ class _Run:
             else:
                 self._differs(event, "what the sender held", f"sent at {message.now_us} us", _held_text(held), "never")
 
-    def _config_of(self, message: box_start_t) -> object:
+    def _config_of(self, message: box_start_t) -> CoordinatorFile:
         key = b"".join(bytes(file.data) + file.role.encode() for file in message.files)
         key += "\n".join(message.overrides).encode()
         if self._config[1] is None or self._config[0] != key:
@@ -297,7 +297,7 @@ def _answer_text(status: core.Status, reason: core.Reason, command: core.Twist) 
     return f"{status.name}, {reason.name}, {_twist_text(command)}"
 
 
-def _held_text(held: object) -> str:
+def _held_text(held: HeldCommand) -> str:
     flags = f"holding {held.holding}, run {held.run}, ever measured {held.ever_measured}"
     return f"{_twist_text(held.command)} of {held.utime} us, from {held.from_us} to {held.until_us} us, {flags}"
 

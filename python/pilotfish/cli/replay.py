@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
 
 from pilotfish.cli.console import console, friendly_errors, progress, warn
 from pilotfish.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pilotfish.black_box import ReplayReport
 
 
 def replay(
@@ -53,7 +56,7 @@ def replay(
         raise typer.Exit(1)
 
 
-def _table(report: object, from_pixels: bool) -> Table:
+def _table(report: ReplayReport, from_pixels: bool) -> Table:
     table = Table(show_header=False)
     rows = {
         "frames": report.frames,
@@ -76,7 +79,7 @@ def _table(report: object, from_pixels: bool) -> Table:
     return table
 
 
-def _show_first(report: object) -> None:
+def _show_first(report: ReplayReport) -> None:
     first = report.first_difference
     if first is None:
         console.print("every bit agrees" if report.commands else "nothing to compare: no start, or no frame behind one")
