@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "parameters.hpp"
+#include "pilotfish/config/bundle.hpp"
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 
@@ -12,6 +13,12 @@ using namespace pilotfish;
 using namespace pilotfish::python;
 
 namespace {
+
+py::bytes to_bytes(const Bytes& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+Bytes from_bytes(const py::bytes& bytes) {
+  const std::string_view view = bytes;
+  return {view.begin(), view.end()};
+}
 
 void bind_config(py::module_& m) {
   bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
@@ -33,7 +40,37 @@ void bind_config(py::module_& m) {
       .def_readonly("key_file", &config::CoordinatorFile::key_file, "empty: nothing is authenticated")
       .def_readonly("announcements_from", &config::CoordinatorFile::announcements_from, "empty: nobody")
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
+      .def_readonly("black_box", &config::CoordinatorFile::black_box)
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
+  bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
+  using config::ConfigBundle, config::ConfigOverrides, config::ConfigText;
+  py::class_<ConfigOverrides>(m, "ConfigOverrides", "What the command line says instead of the configuration.")
+      .def(py::init([](std::optional<std::string> law, std::optional<std::string> profile,
+                       std::optional<std::string> tuning) {
+             return ConfigOverrides{std::move(law), std::move(profile), std::move(tuning)};
+           }),
+           py::kw_only(), py::arg("law") = py::none(), py::arg("profile") = py::none(), py::arg("tuning") = py::none())
+      .def_readonly("law", &ConfigOverrides::law)
+      .def_readonly("profile", &ConfigOverrides::profile)
+      .def_readonly("tuning", &ConfigOverrides::tuning);
+  py::class_<ConfigText>(m, "ConfigText", "A file that a coordinator was configured with.")
+      .def(py::init([](std::string role, std::string name, const py::bytes& text) {
+             return ConfigText{std::move(role), std::move(name), std::string(text)};
+           }),
+           py::kw_only(), py::arg("role"), py::arg("name"), py::arg("text"))
+      .def_readonly("role", &ConfigText::role)
+      .def_readonly("name", &ConfigText::name)
+      .def_property_readonly("text", [](const ConfigText& file) { return py::bytes(file.text); });
+  py::class_<ConfigBundle>(m, "ConfigBundle", "Everything a coordinator is configured with, as texts.")
+      .def(py::init([](std::vector<ConfigText> files, ConfigOverrides overrides) {
+             return ConfigBundle{std::move(files), std::move(overrides)};
+           }),
+           py::arg("files"), py::arg("overrides"))
+      .def_readonly("files", &ConfigBundle::files)
+      .def_readonly("overrides", &ConfigBundle::overrides);
+  m.def("bundle_config", &config::bundle_config, py::arg("path"),
+        py::arg_v("overrides", ConfigOverrides{}, "pilotfish.coordinator.ConfigOverrides()"));
+  m.def("load_bundle", &config::load_bundle, py::arg("bundle"), "ValueError names the key at fault.");
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
   m.def(
       "load_tuning",
@@ -64,8 +101,24 @@ PYBIND11_MODULE(coordinator, m) {
       .def_readonly("command", &StepResult::command);
 
   py::class_<HeldCommand>(m, "HeldCommand", "The last command, until its measurement is too old.")
+      .def(py::init([](std::int64_t utime, const Twist& command, std::int64_t from_us, std::int64_t until_us,
+                       bool holding, bool run, bool ever_measured) {
+             return HeldCommand{utime, command, {from_us}, {until_us}, holding, run, ever_measured};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("command"), py::arg("from_us"), py::arg("until_us"),
+           py::arg("holding"), py::arg("run"), py::arg("ever_measured"))
       .def_readonly("command", &HeldCommand::command)
       .def_readonly("holding", &HeldCommand::holding)
+      .def_readonly("utime", &HeldCommand::utime)
+      .def_readonly("run", &HeldCommand::run)
+      .def_readonly("ever_measured", &HeldCommand::ever_measured)
+      .def(
+          "at",
+          [](const HeldCommand& held, std::int64_t now_us, Reason reason) {
+            const HeldAnswer answer = held.at({now_us}, reason);
+            return std::make_tuple(answer.status, answer.reason, answer.command);
+          },
+          "(status, reason, command) then, if that is missing.", py::arg("now_us"), py::arg("reason"))
       .def_property_readonly("from_us", [](const HeldCommand& held) { return held.from.us; })
       .def_property_readonly("until_us", [](const HeldCommand& held) { return held.until.us; });
 
@@ -105,6 +158,17 @@ PYBIND11_MODULE(coordinator, m) {
            "The own twist as odometry measured it; False if it cannot be used.")
       .def("set_announced_motion", &Coordinator::set_announced_motion, py::arg("utime"), py::arg("twist"),
            "The twist the leader announces of itself; False if it cannot be used.")
+      .def_property(
+          "memory",
+          [](const Coordinator& coordinator) {
+            const CoordinatorMemory memory = coordinator.memory();
+            return std::make_pair(to_bytes(memory.decisions), to_bytes(memory.eyes));
+          },
+          [](Coordinator& coordinator, const std::pair<py::bytes, py::bytes>& memory) {
+            if (!coordinator.set_memory({from_bytes(memory.first), from_bytes(memory.second)}))
+              throw py::value_error("that is no memory of a coordinator of this program");
+          },
+          "(bytes, bytes): what its decisions and its eyes remember, for another one of the same configuration.")
       .def_property_readonly("setpoint", &Coordinator::setpoint)
       .def_property_readonly("rejected", &Coordinator::rejected);
 }

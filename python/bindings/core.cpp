@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.hpp"
@@ -229,6 +230,11 @@ PYBIND11_MODULE(core, m) {
       .value("region", FoundBy::region)
       .value("frame", FoundBy::frame);
   py::class_<RelativeMeasurement>(m, "RelativeMeasurement", "What one frame says by itself.")
+      .def(py::init([](double distance_m, double bearing_rad, double heading_rad, const DoubleArray& covariance) {
+             return RelativeMeasurement{{distance_m, bearing_rad, heading_rad},
+                                        to_matrix<3, 3>(covariance, "covariance")};
+           }),
+           py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad"), py::arg("heading_rad"), py::arg("covariance"))
       .def_property_readonly("distance_m", [](const RelativeMeasurement& r) { return r.pose.distance_m; })
       .def_property_readonly("bearing_rad", [](const RelativeMeasurement& r) { return r.pose.bearing_rad; })
       .def_property_readonly("heading_rad", [](const RelativeMeasurement& r) { return r.pose.heading_rad; })
@@ -238,21 +244,37 @@ PYBIND11_MODULE(core, m) {
   const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   py::class_<Observation>(m, "Observation", "The leader, measured in one frame.")
       .def(py::init([](std::int64_t utime, double distance_m, double bearing_rad, double heading_rad,
-                       const DoubleArray& covariance, std::vector<TagSighting> tags) {
+                       const DoubleArray& covariance, std::vector<TagSighting> tags,
+                       const std::optional<RelativeMeasurement>& measured, double heading_doubt,
+                       const std::optional<DoubleArray>& cMo, const std::optional<DoubleArray>& other_cMo,
+                       double ambiguity_ratio, double reprojection_error_px, double min_decision_margin,
+                       FoundBy found_by) {
              Observation observation;
              observation.utime = utime;
              observation.distance_m = distance_m;
              observation.bearing_rad = bearing_rad;
              observation.heading_rad = heading_rad;
              observation.covariance = to_matrix<3, 3>(covariance, "covariance");
-             observation.measured = {{distance_m, bearing_rad, heading_rad}, observation.covariance};
+             observation.measured =
+                 measured.value_or(RelativeMeasurement{{distance_m, bearing_rad, heading_rad}, observation.covariance});
+             observation.heading_doubt = heading_doubt;
+             if (cMo) observation.cMo = to_pose(*cMo);
+             if (other_cMo) observation.other_cMo = to_pose(*other_cMo);
+             observation.ambiguity_ratio = ambiguity_ratio;
+             observation.reprojection_error_px = reprojection_error_px;
+             observation.min_decision_margin = min_decision_margin;
+             observation.found_by = found_by;
              if (tags.size() > kMaxTagsOnBody) throw py::value_error("an observation has at most 12 tags");
              for (TagSighting& tag : tags) observation.tags.push_back(std::move(tag));
              return observation;
            }),
            py::kw_only(), py::arg("utime"), py::arg("distance_m"), py::arg("bearing_rad") = 0.0,
            py::arg("heading_rad") = 0.0, py::arg_v("covariance", to_array(zero), "numpy.zeros((3, 3))"),
-           py::arg("tags") = std::vector<TagSighting>{})
+           py::arg("tags") = std::vector<TagSighting>{}, py::arg("measured") = py::none(),
+           py::arg("heading_doubt") = 0.0, py::arg("cMo") = py::none(), py::arg("other_cMo") = py::none(),
+           py::arg("ambiguity_ratio") = 1.0, py::arg("reprojection_error_px") = 0.0,
+           py::arg("min_decision_margin") = 0.0, py::arg_v("found_by", FoundBy::frame, "pilotfish.core.FoundBy.frame"),
+           "measured: default, the same as the filtered numbers.")
       .def_readonly("utime", &Observation::utime)
       .def_readonly("distance_m", &Observation::distance_m)
       .def_readonly("bearing_rad", &Observation::bearing_rad)

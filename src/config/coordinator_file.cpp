@@ -68,7 +68,26 @@ void check_frame_rate(const YamlSection& root, const CoordinatorFile& file) {
   throw root.error("frame_rate_hz", problem.str());
 }
 
+void check_black_box(const YamlSection& root, const BlackBoxConfig& config) {
+  if (config.total_mb >= 2 * config.segment_mb) return;
+  throw root.error("black_box.total_mb", std::to_string(config.total_mb) + " must hold two segments of " +
+                                             std::to_string(config.segment_mb) + " MB at least");
+}
+
 }  // namespace
+
+const std::vector<Parameter<BlackBoxConfig>>& BlackBoxConfig::parameters() {
+  using C = BlackBoxConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"directory", &C::directory, 0.0, 0.0,
+       "folder for the recording, made if there is none; empty: nothing is recorded"},
+      {"total_mb", &C::total_mb, 2, 1'000'000, "size of all files of this robot; beyond, the oldest are deleted"},
+      {"segment_mb", &C::segment_mb, 1, 1000, "size of one file"},
+      {"picture_rate_hz", &C::picture_rate_hz, 0.0, 1000.0,
+       "so often a picture that came raw is kept as a JPEG; images that came as JPEG are all kept"},
+  };
+  return table;
+}
 
 std::string announcements_from(const std::string& name) {
   if (name == "none") return "";
@@ -117,6 +136,8 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   if (root.optional("tuning")) parse_tuning(root.file("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   read_section(root, "safety", config.safety);
+  read_section(root, "black_box", file.black_box);
+  check_black_box(root, file.black_box);
   check_frame_rate(root, file);
   root.finish();
   return file;

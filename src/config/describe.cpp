@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "pilotfish/config/files.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
 
 namespace pilotfish::config {
@@ -85,6 +86,7 @@ std::string describe_config() {
   describe_section<control::PbvsConfig>(out, "control.pbvs");
   describe_section<control::PidConfig>(out, "control.pid");
   describe_section<SafetyConfig>(out, "safety");
+  describe_section<BlackBoxConfig>(out, "black_box");
   out << "\n# A leader's file\n\n"
          "`name`, `family` (tag36h11, ...) and a list `tags`; `id`, `size_m`, `position_m` and `facing_deg` of each "
          "are "

@@ -87,11 +87,9 @@ StampVerdict Coordinator::judge(std::int64_t utime, std::int64_t known_age_us, M
 StepResult Coordinator::step(const Frame& frame, MonotonicTime now) noexcept {
   const StampVerdict verdict = judge(frame.utime, frame.known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(frame.utime, verdict.reason);
-  if (!noiseless_camera_ && check(frame.image) == Reason::none && frozen_.is_frozen(frame.image)) {
-    rest(frame.utime);
-    return not_measured(frame.utime, Reason::camera_frozen);
-  }
-  return answer_latest(frame.utime, observer_.observe(frame), verdict.age_us);
+  const bool frozen = !noiseless_camera_ && check(frame.image) == Reason::none && frozen_.is_frozen(frame.image);
+  const vision::Sight sight = frozen ? vision::Sight{std::nullopt, Reason::camera_frozen} : observer_.observe(frame);
+  return answer_latest(frame.utime, sight, verdict.age_us);
 }
 
 StepResult Coordinator::answer(std::int64_t utime, const vision::Sight& sight, MonotonicTime now,
@@ -107,12 +105,17 @@ StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& s
     StepResult result{utime, Status::stopped, Reason::told_to_stop, sight.observation, std::nullopt, Twist{}};
     return result;
   }
-  if (!sight.observation) return not_measured(utime, sight.reason);
+  if (!sight.observation) {
+    if (sight.reason == Reason::camera_frozen) rest(utime);  // what was measured last may be as old as the picture
+    return not_measured(utime, sight.reason);
+  }
 
   const control::FollowerOutput control = follower_.follow(*sight.observation, setpoint_);
   if (!is_finite(control.command)) {
     rest(utime);
-    return not_measured(utime, Reason::law_not_finite);
+    StepResult result = not_measured(utime, Reason::law_not_finite);
+    result.observation = sight.observation;  // so that a recording has what made the law fail
+    return result;
   }
   measured_utime_ = utime;
   held_.ever_measured = true;
@@ -159,6 +162,38 @@ bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
   setpoint_.run = held_.run = setpoint.run;
   if (!setpoint.run) rest(held_.utime);
   return true;
+}
+
+template <class Self, class Archive>
+void Coordinator::remember_decisions(Self& self, Archive& archive) {
+  archive(self.timeline_, self.follower_, self.setpoint_.distance_m, self.setpoint_.bearing_rad, self.setpoint_.run,
+          self.now_, self.measured_utime_, self.held_);
+}
+
+template <class Self, class Archive>
+void Coordinator::remember_eyes(Self& self, Archive& archive) {
+  archive(self.frozen_, self.observer_);
+}
+
+CoordinatorMemory Coordinator::memory() const {
+  CoordinatorMemory memory;
+  CheckpointWriter decisions(memory.decisions), eyes(memory.eyes);
+  remember_decisions(*this, decisions);
+  remember_eyes(*this, eyes);
+  return memory;
+}
+
+bool Coordinator::set_memory(const CoordinatorMemory& memory) {
+  const auto take = [this](const CoordinatorMemory& from) {
+    CheckpointReader decisions(from.decisions), eyes(from.eyes);
+    remember_decisions(*this, decisions);
+    remember_eyes(*this, eyes);
+    return decisions.read_all() && eyes.read_all();
+  };
+  const CoordinatorMemory before = this->memory();
+  if (take(memory)) return true;
+  take(before);
+  return false;
 }
 
 bool Coordinator::is_near_last_frame(std::int64_t utime) const noexcept {

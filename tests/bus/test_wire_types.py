@@ -27,6 +27,14 @@ FINGERPRINTS = {
     types.stage_t: "1deddd80d1432c03",
     types.status_t: "9450862b7a6aa3b3",
     types.tag_sighting_t: "ef8d50b69ab4b284",
+    # The black box's.
+    types.box_file_t: "4e4221d2ef4c9661",
+    types.box_start_t: "725a7acb57630f9c",
+    types.held_t: "2687693b510791cf",
+    types.measured_tag_t: "90538cba87c4df6d",
+    types.measurement_t: "ba0247f2265b99f3",
+    types.sent_t: "2f14673366e8751d",
+    types.step_t: "42555625b48bdc3b",
 }
 
 

@@ -22,6 +22,7 @@ MAY_INCLUDE = {
     "bus": {"core", "jpeg"},
     "sim": {"core"},
     "config": {"core", "fuzzy", "vision", "control", "coordinator", "sim"},
+    "blackbox": {"core", "coordinator", "config", "jpeg"},
 }
 
 

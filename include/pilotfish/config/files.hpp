@@ -44,6 +44,15 @@ Odometry odometry_from(std::string_view name);
 /// A leader's name on the bus; empty for "none". Throws ConfigError if it is no name.
 std::string announcements_from(const std::string& name);
 
+/// The ring of files in which everything is kept that a replay needs; see blackbox/black_box.hpp.
+struct BlackBoxConfig {
+  std::string directory;         ///< empty: no black box
+  int total_mb = 1000;           ///< of all files of this robot; beyond, the oldest are deleted
+  int segment_mb = 50;           ///< of one file
+  double picture_rate_hz = 2.0;  ///< so often a picture that came raw is kept as a JPEG; JPEG images all are
+  static const std::vector<Parameter<BlackBoxConfig>>& parameters();
+};
+
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
 struct CoordinatorFile {
   std::string name = "robot1";  ///< the robot's name on the bus
@@ -52,6 +61,7 @@ struct CoordinatorFile {
   std::string announcements_from;  ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
   std::string key_file;            ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;     ///< expected of the source; 1/T of the law unless control_period_s says otherwise
+  BlackBoxConfig black_box;
   CoordinatorConfig coordinator;
 };
 /// Throws ConfigError naming the key.

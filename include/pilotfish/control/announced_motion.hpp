@@ -63,6 +63,11 @@ class AnnouncedMotion {
   /// The leader was lost: probation begins anew, a suspension goes on.
   void reset() noexcept;
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.heard_, self.agreeing_since_, self.suspended_until_, self.claims_);
+  }
+
  private:
   struct Announcement {
     Twist twist;

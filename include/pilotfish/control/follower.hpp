@@ -92,6 +92,12 @@ class Follower {
   /// The same where the next observation's time does not relate to any before: dead reckoning begins anew, too.
   void restart_on_new_clock() noexcept;
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.own_, self.pid_, self.leader_, self.announced_, self.last_utime_, self.last_error_m_,
+            self.last_command_);
+  }
+
  private:
   void forget_leader() noexcept;
   /// What the active law wants, not yet limited.

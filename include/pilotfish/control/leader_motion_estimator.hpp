@@ -34,6 +34,10 @@ using LeaderMatrix = Eigen::Matrix<double, 6, 6>;
 struct LeaderEstimate {
   LeaderVector mean = LeaderVector::Zero();
   LeaderMatrix covariance = LeaderMatrix::Zero();
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {
+    archive(self.mean, self.covariance);
+  }
 };
 
 /// The estimate after dt_s on a coordinated turn with random walks of velocity and turn rate.
@@ -68,6 +72,11 @@ class LeaderMotionEstimator {
   LeaderEstimate at(std::int64_t utime) const noexcept;
   /// Probabilities of calm, steering, jolt.
   const std::array<double, 3>& probabilities() const { return probability_; }
+
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.modes_, self.probability_, self.utime_, self.started_, self.outliers_);
+  }
 
  private:
   struct Measurement {

@@ -61,6 +61,12 @@ class OwnMotion {
     return last_measured_utime_ ? OwnMotionSource::odometry : OwnMotionSource::commanded;
   }
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.started_, self.utime_, self.pose_, self.twist_, self.set_value_, self.acting_, self.pending_,
+            self.measured_, self.last_measured_utime_, self.model_error_);
+  }
+
   static constexpr double kCovered_s = 0.2;     ///< a measured twist says nothing about what is longer ago or ahead
   static constexpr double kBeyondLimits = 1.5;  ///< pushed, or downhill; what is faster is no robot of these limits
 

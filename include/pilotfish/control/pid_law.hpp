@@ -31,11 +31,20 @@ class PidLaw {
   Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept;
   void restart() noexcept { distance_ = bearing_ = Axis{}; }
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.distance_, self.bearing_);
+  }
+
  private:
   struct Axis {
     double integral = 0.0;
     double rate = 0.0;
     std::optional<double> last_error;
+    template <class Self, class Archive>
+    static void remember(Self& self, Archive& archive) {
+      archive(self.integral, self.rate, self.last_error);
+    }
   };
   double control(Axis& axis, double error, double kp, double ki, double kd, double least, double most,
                  double dt_s) const noexcept;

@@ -8,6 +8,7 @@
 #include "pilotfish/coordinator/frame_timeline.hpp"
 #include "pilotfish/coordinator/frozen_camera.hpp"
 #include "pilotfish/coordinator/held_command.hpp"
+#include "pilotfish/core/checkpoint.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/setpoint.hpp"
@@ -49,6 +50,12 @@ struct StepResult {
   std::optional<Observation> observation;          ///< only when measured in this very frame
   std::optional<control::FollowerOutput> control;  ///< only when the law ran in this very frame
   Twist command;                                   ///< what the wheels should do now
+};
+
+/// In two parts, so that a replay of recorded sights can go without the second.
+struct CoordinatorMemory {
+  Bytes decisions;  ///< timeline, law, setpoint, held command
+  Bytes eyes;       ///< what the observer and the watch for a frozen camera remember
 };
 
 /// The heart, on one screen:
@@ -101,9 +108,20 @@ class Coordinator {
   static constexpr double kOtherClock_s = 1.0;
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
 
+  /// What it remembers, bit for bit, apart from its configuration: another one of the same configuration that is given
+  /// this goes on exactly as this one would. For recordings that are replayed from their middle; no copy of the object,
+  /// because the eyes have none.
+  CoordinatorMemory memory() const;
+  /// False, and nothing changes, if that is no memory of this program.
+  bool set_memory(const CoordinatorMemory& memory);
+
   std::int64_t clock_epochs() const { return timeline_.epochs(); }  ///< how often the source's clock was set
 
  private:
+  template <class Self, class Archive>
+  static void remember_decisions(Self& self, Archive& archive);
+  template <class Self, class Archive>
+  static void remember_eyes(Self& self, Archive& archive);
   bool is_near_last_frame(std::int64_t utime) const noexcept;
   StepResult answer_latest(std::int64_t utime, const vision::Sight& sight, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;

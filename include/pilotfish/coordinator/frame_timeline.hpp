@@ -39,6 +39,11 @@ class FrameTimeline {
   std::optional<std::int64_t> last_utime() const;
   std::int64_t epochs() const { return epochs_; }  ///< how often a new one began after the first
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.last_, self.offset_us_, self.least_us_, self.run_, self.agreeing_, self.epochs_);
+  }
+
   static constexpr int kFramesToAgree = 5;
   static constexpr double kAhead_us = 50'000.0;
   static constexpr double kAgree_us = 25'000.0;

@@ -16,6 +16,11 @@ class FrozenCamera {
   /// From the third picture in a row with the same pixels on. The view has passed check().
   bool is_frozen(const ImageView& image) noexcept;
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.sample_, self.whole_, self.any_, self.whole_known_);
+  }
+
  private:
   std::uint64_t sample_ = 0, whole_ = 0;
   bool any_ = false, whole_known_ = false;

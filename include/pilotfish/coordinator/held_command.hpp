@@ -28,6 +28,10 @@ struct HeldCommand {
   /// The last command while `now` is in [from, until], zeros otherwise; `reason` says what was missing. A clock that
   /// went backward, and a measurement of the future, move nothing.
   HeldAnswer at(MonotonicTime now, Reason reason) const noexcept;
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.utime, self.command, self.from, self.until, self.holding, self.run, self.ever_measured);
+  }
   bool fresh_at(MonotonicTime now) const noexcept { return run && holding && from <= now && now <= until; }
 };
 

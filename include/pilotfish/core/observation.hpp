@@ -43,6 +43,10 @@ std::string_view to_string(FoundBy found_by) noexcept;
 struct RelativeMeasurement {
   RelativePose pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (distance_m, bearing_rad, heading_rad)
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.pose, self.covariance);
+  }
 };
 
 /// The leader, measured in one frame. It exists only if every check passed.

@@ -43,6 +43,11 @@ class HeadingFilter {
                          double dt_s) noexcept;
   void forget() noexcept { hypotheses_.clear(); }
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.hypotheses_);
+  }
+
  private:
   struct Hypothesis {
     double heading_rad = 0.0, rate_radps = 0.0;
@@ -50,6 +55,10 @@ class HeadingFilter {
     double log_weight = 0.0;
     std::size_t candidate = 0;  ///< the one it grew from
     RelativeMeasurement fused;  ///< that one, given this hypothesis
+    template <class Self, class Archive>
+    static void remember(Self& self, Archive& archive) {
+      archive(self.heading_rad, self.rate_radps, self.covariance, self.log_weight, self.candidate, self.fused);
+    }
   };
   static constexpr std::size_t kKept = 4;
   using Kept = BoundedVector<Hypothesis, kKept>;

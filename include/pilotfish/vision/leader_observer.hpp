@@ -78,6 +78,11 @@ class LeaderObserver {
 
   const RejectionCounters& rejected() const { return rejected_; }
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; counters decide nothing
+    archive(self.track_, self.heading_);
+  }
+
  private:
   /// What became of the tags in one attempt at one frame.
   struct Attempt {

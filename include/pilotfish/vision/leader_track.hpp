@@ -36,6 +36,11 @@ class LeaderTrack {
 
   const Appearance& appearance() const { return appearance_; }  ///< of the tags when last seen
 
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.seen_, self.moving_, self.utime_, self.cMo_, self.twist_, self.pose_, self.appearance_);
+  }
+
  private:
   LeaderTrackConfig config_;
   bool seen_ = false, moving_ = false;

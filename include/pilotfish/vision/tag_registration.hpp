@@ -21,6 +21,10 @@ struct Appearance {
   double blur_u_px2 = 0.6;  ///< variance of the blur along rows (with the pixel's own 1/12)
   double blur_v_px2 = 0.6;  ///< along columns
   double contrast() const { return white - black; }
+  template <class Self, class Archive>
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
+    archive(self.black, self.white, self.black_slope, self.contrast_slope, self.blur_u_px2, self.blur_v_px2);
+  }
 };
 
 /// A known print, laid over a picture so that it fits best.

@@ -1,5 +1,5 @@
-"""The command line: ``pilotfish stop | resume | setpoint | key`` and ``experiment | render | plot | learn-body | tune |
-fuzzy | demo | doctor``."""
+"""The command line: ``pilotfish stop | resume | setpoint | key``, ``experiment | render | plot | replay | learn-body | tune |
+fuzzy | demo`` and ``doctor``."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from pilotfish.cli.learn_body import learn_body
 from pilotfish.cli.operate import key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
+from pilotfish.cli.replay import replay
 from pilotfish.cli.tune import tune
 
 app = typer.Typer(
@@ -28,8 +29,7 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (stop, resume, setpoint, experiment, render, plot, learn_body, tune, demo):
-for command in (experiment, render, plot, learn_body, tune, demo, doctor):
+for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
     app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "pilotfish/config/bundle.hpp"
+#include "pilotfish/coordinator/coordinator.hpp"
+
+namespace pilotfish::blackbox {
+
+/// What is known before the first call.
+struct Start {
+  std::string robot;  ///< channels are ROBOT_STEP, ROBOT_SENT, ROBOT_BOX
+  std::int64_t session = 0;
+  std::string command_line;
+  config::ConfigBundle config;
+};
+
+/// Since the start.
+struct Counters {
+  std::int64_t written = 0;  ///< events the operating system has taken
+  std::int64_t dropped = 0;  ///< events that did not fit into the queue: the disk is too slow
+  std::int64_t lost = 0;     ///< events the disk refused
+  std::int64_t files = 0;    ///< begun
+};
+
+/// A flight recorder: a bounded ring of files on disk with every call of the core and what it answered, every command
+/// that was sent and every message that is handed over, as LCM events. From it `pilotfish replay` recomputes each
+/// command bit for bit.
+///
+/// Nothing here can delay or stop the robot: whoever records copies into a queue that is bounded in bytes, and goes on;
+/// what does not fit is dropped and counted. A thread of its own writes each event with one write(2), so that SIGKILL
+/// loses only what waits in the queue, and a power cut the last two seconds. A disk that is full first costs the oldest
+/// files, then the newest events, which are counted; a disk that blocks costs events, and no one's time.
+///
+/// After a gap the next frame's call also records what the core remembers, so that a replay can go on behind it.
+class BlackBox {
+ public:
+  /// Throws ConfigError naming black_box.directory if nothing can be written there, or another one writes there.
+  /// `core` as it is before the first call.
+  BlackBox(const config::BlackBoxConfig& config, Start start, const Coordinator& core);
+  /// Waits two seconds at most for the disk.
+  ~BlackBox();
+  BlackBox(const BlackBox&) = delete;
+  BlackBox& operator=(const BlackBox&) = delete;
+
+  /// Each call of the core, right after it, in their order and from the thread that makes them.
+  void frame(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now, const StepResult& result,
+             const Coordinator& core) noexcept;
+  void setpoint(const Setpoint& setpoint, bool taken, const Coordinator& core) noexcept;
+  void own_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
+  void announced_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
+
+  // From any thread.
+
+  /// A command that was sent: what the sender held, and what it knew to be missing, made `sent`.
+  void sent(const HeldCommand& held, MonotonicTime now, Reason missing, const HeldAnswer& sent, std::int64_t session,
+            std::int64_t counter) noexcept;
+  /// A message as it went over the bus. An image_t with a JPEG on ROBOT_IMAGE lets a replay see again, too.
+  void message(std::string_view channel, const void* data, std::size_t size_bytes) noexcept;
+  /// A picture that came raw: every now and then (black_box.picture_rate_hz) it is kept as a JPEG of quality 95 on
+  /// ROBOT_IMAGE, for people. Encoded by the box's own thread; the pixels are shared, if the frame owns them.
+  void picture(const Frame& frame) noexcept;
+
+  Counters counters() const noexcept;
+  std::string trouble() const;  ///< the disk's last refusal, in words; empty if there was none
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;  ///< with the writing thread, which may outlive this if the disk hangs
+};
+
+/// Version, processor and compiler of this library: only the same ones give the same bits.
+std::string program_description();
+
+}  // namespace pilotfish::blackbox

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pilotfish/config/files.hpp"
+
+namespace pilotfish::config {
+
+/// What the command line said instead of the configuration, as far as the core can tell.
+struct ConfigOverrides {
+  std::optional<std::string> law, profile, tuning;  ///< tuning: a file
+};
+/// In the order in which they win: tuning, law, profile. Throws ConfigError.
+void apply(const ConfigOverrides& overrides, CoordinatorFile& file);
+
+struct ConfigText {
+  std::string role;  ///< the key that names the file: config, camera.calibration, leader, fuzzy, tuning; --tuning
+  std::string name;  ///< where it was
+  std::string text;  ///< what it said
+};
+
+/// Everything a coordinator is configured with, as texts: from it the same coordinator can be made anywhere.
+struct ConfigBundle {
+  std::vector<ConfigText> files;
+  ConfigOverrides overrides;
+};
+
+/// Of a configuration that load_coordinator() takes. Throws ConfigError.
+ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverrides& overrides);
+/// What load_coordinator() and apply() gave then. Writes the texts into a temporary folder, under names of its own, and
+/// removes it. Throws ConfigError.
+CoordinatorFile load_bundle(const ConfigBundle& bundle);
+
+}  // namespace pilotfish::config

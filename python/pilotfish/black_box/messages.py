@@ -1,0 +1,109 @@
+"""Recorded messages as the core's own values, and values as keys that compare bit for bit."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+
+from pilotfish import core
+from pilotfish.coordinator import ConfigBundle, ConfigOverrides, ConfigText, HeldCommand
+from pilotfish.lcmtypes.bot_core import image_t
+from pilotfish.lcmtypes.pilotfish import box_start_t, held_t, measurement_t
+
+COPY_MARK = "pilotfish_copy"
+
+
+def bundle_of(start: box_start_t) -> ConfigBundle:
+    files = [ConfigText(role=file.role, name=file.name, text=bytes(file.data)) for file in start.files]
+    said = dict(override.partition("=")[::2] for override in start.overrides)
+    return ConfigBundle(files, ConfigOverrides(law=said.get("law"), profile=said.get("profile")))
+
+
+def held_of(message: held_t) -> HeldCommand:
+    return HeldCommand(
+        utime=message.utime,
+        command=core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps),
+        from_us=message.from_us,
+        until_us=message.until_us,
+        holding=bool(message.holding),
+        run=bool(message.run),
+        ever_measured=bool(message.ever_measured),
+    )
+
+
+def observation_of(message: measurement_t) -> core.Observation:
+    """ValueError if it cannot be one."""
+    other = None
+    if message.other_camera_from_leader:
+        other = _pose(np.reshape(message.other_camera_from_leader, (3, 4)))
+    return core.Observation(
+        utime=message.utime,
+        distance_m=message.distance_m,
+        bearing_rad=message.bearing_rad,
+        heading_rad=message.heading_rad,
+        covariance=np.array(message.covariance),
+        measured=core.RelativeMeasurement(
+            distance_m=message.measured_distance_m,
+            bearing_rad=message.measured_bearing_rad,
+            heading_rad=message.measured_heading_rad,
+            covariance=np.array(message.measured_covariance),
+        ),
+        heading_doubt=message.heading_doubt,
+        cMo=_pose(np.array(message.camera_from_leader)),
+        other_cMo=other,
+        ambiguity_ratio=message.ambiguity_ratio,
+        reprojection_error_px=message.reprojection_error_px,
+        min_decision_margin=message.min_decision_margin,
+        found_by=core.FoundBy(message.found_by),
+        tags=[
+            core.TagSighting(
+                id=tag.id,
+                hamming=tag.hamming,
+                decision_margin=tag.decision_margin,
+                corners_px=np.array(tag.corners_px),
+            )
+            for tag in message.tags
+        ],
+    )
+
+
+def original_jpeg(data: bytes) -> image_t | None:
+    """The image_t in these bytes, if it holds a JPEG as it came over the bus: those are the pixels the eyes saw."""
+    if not data.startswith(image_t._get_packed_fingerprint()):
+        return None
+    message = image_t.decode(data)
+    copied = any(extra.key == COPY_MARK for extra in message.metadata)
+    return None if copied or message.pixelformat != image_t.PIXEL_FORMAT_MJPEG else message
+
+
+def bits(*numbers: float) -> bytes:
+    """Equal only if every bit is: zero is not minus zero, and one NaN is another of the same bits."""
+    return struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+def twist_bits(twist: core.Twist) -> bytes:
+    return bits(twist.linear_mps, twist.angular_radps)
+
+
+def held_key(held: HeldCommand) -> tuple[object, ...]:
+    flags = (held.holding, held.run, held.ever_measured)
+    return (held.utime, twist_bits(held.command), held.from_us, held.until_us, *flags)
+
+
+def observation_key(observation: core.Observation | None) -> tuple[object, ...] | None:
+    if observation is None:
+        return None
+    o, m = observation, observation.measured
+    scalars = bits(
+        *(o.distance_m, o.bearing_rad, o.heading_rad, o.heading_doubt, m.distance_m, m.bearing_rad, m.heading_rad),
+        *(o.ambiguity_ratio, o.reprojection_error_px, o.min_decision_margin),
+    )
+    other = None if o.other_cMo is None else o.other_cMo.tobytes()
+    tags = tuple((tag.id, tag.hamming, bits(tag.decision_margin), tag.corners_px.tobytes()) for tag in o.tags)
+    matrices = (o.covariance.tobytes(), m.covariance.tobytes(), o.cMo.tobytes(), other)
+    return (o.utime, scalars, *matrices, o.found_by, tags)
+
+
+def _pose(upper: np.ndarray) -> np.ndarray:
+    return np.vstack([upper, [0.0, 0.0, 0.0, 1.0]])

@@ -1,0 +1,319 @@
+"""A recording, computed again: the same core is given the same calls and must give the same bits."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from pilotfish import blackbox, core
+from pilotfish.black_box import messages
+from pilotfish.black_box.log import Damage, Event
+from pilotfish.coordinator import Coordinator, CoordinatorFile, HeldCommand, StepResult, load_bundle
+from pilotfish.lcmtypes.bot_core import image_t
+from pilotfish.lcmtypes.pilotfish import box_start_t, sent_t, step_t
+
+_KINDS = {
+    step_t.KIND_FRAME: "frame",
+    step_t.KIND_SETPOINT: "setpoint",
+    step_t.KIND_OWN_MOTION: "own motion",
+    step_t.KIND_ANNOUNCEMENT: "announcement",
+}
+# The sender holds what one of the last frames led to; its thread and the core's record in any order.
+_HELD_BACK, _HELD_AHEAD = 64, 4
+_PICTURES_KEPT = 64
+# Of a frame that is refused by its time the pixels are not looked at.
+_REFUSED_BY_TIME = {
+    core.Reason.frame_time_not_advancing,
+    core.Reason.frame_time_implausible,
+    core.Reason.frame_stale,
+}
+# Why a sender sends zeros whatever it holds.
+_WITHHELD = {core.Reason.another_coordinator, core.Reason.internal_error, core.Reason.told_to_stop}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Where the recording and the computation part."""
+
+    event: Event
+    what: str
+    inputs: str
+    recorded: str
+    recomputed: str
+
+
+@dataclass
+class ReplayReport:
+    programs: list[str] = field(default_factory=list)
+    starts: int = 0  # places to replay from, of which the first of a run is one
+    calls: int = 0
+    frames: int = 0
+    measured: int = 0
+    commands: int = 0  # of frames, compared
+    sent: int = 0  # commands that were sent, compared
+    sent_unchecked: int = 0  # what they held was decided before the replay begins
+    memories: int = 0  # of the core, at a start within a run, compared
+    sights: int = 0  # seen again in recorded JPEGs, compared
+    sights_unchecked: int = 0
+    gaps: int = 0
+    skipped: int = 0  # calls behind a gap, before the next start
+    damage: list[Damage] = field(default_factory=list)
+    unreadable: int = 0  # events on our channels that are no messages of these types
+    differences: int = 0
+    first_difference: Difference | None = None
+
+
+def replay(
+    events: Iterable[Event | Damage],
+    *,
+    from_pixels: bool = False,
+    on_progress: Callable[[int, int | None], None] | None = None,
+) -> ReplayReport:
+    """Every command is recomputed from the recorded calls; with ``from_pixels`` every sight as well, as far as there
+    are the JPEGs that the coordinator saw. ConfigError of the recorded configuration comes out as ValueError."""
+    run = _Run(from_pixels)
+    handlers = {"_BOX": run.start, "_STEP": run.step, "_SENT": run.sent}
+    for count, event in enumerate(events):
+        if on_progress and count % 100 == 0:
+            on_progress(count, None)
+        if isinstance(event, Damage):
+            run.report.damage.append(event)
+            continue
+        suffix = event.channel[event.channel.rfind("_") :]
+        types = {"_BOX": box_start_t, "_STEP": step_t, "_SENT": sent_t}
+        try:
+            message = types[suffix].decode(event.data) if suffix in types else messages.original_jpeg(event.data)
+        except Exception:  # lcm-gen's decoders raise whatever the bytes lead to
+            run.report.unreadable += 1
+            continue
+        if suffix in types:
+            handlers[suffix](event, message)
+        elif message is not None:
+            run.picture(message)
+    run.resolve_sent(at_end=True)
+    return run.report
+
+
+class _Run:
+    def __init__(self, from_pixels: bool) -> None:
+        self.report = ReplayReport()
+        self._from_pixels = from_pixels
+        self._core: Coordinator | None = None
+        self._config: tuple[bytes, CoordinatorFile | None] = (b"", None)
+        self._session = 0
+        self._next = -1  # sequence of the call that must come
+        self._sees = False  # what the eyes remember is known
+        self._pictures: OrderedDict[int, image_t] = OrderedDict()
+        self._held: deque[tuple[object, ...]] = deque(maxlen=_HELD_BACK)
+        self._pending: deque[tuple[int, Event, sent_t]] = deque()
+        self._frames_since_start = 0
+
+    def start(self, event: Event, message: box_start_t) -> None:
+        if self._core is not None and (message.session, message.sequence) == (self._session, self._next):
+            self._compare_memory(event, message)
+            return
+        self.resolve_sent(at_end=True)
+        self._session, self._next = message.session, message.sequence
+        self.report.starts += 1
+        if message.program not in self.report.programs:
+            self.report.programs.append(message.program)
+        self._core = Coordinator(self._config_of(message).coordinator)
+        recorded = (bytes(message.decisions), bytes(message.eyes))
+        if message.sequence == 0 and self._core.memory != recorded:
+            self._differs(
+                event, "the coordinator at the start", message.robot, _size(recorded), _size(self._core.memory)
+            )
+        try:
+            self._core.memory = recorded
+        except ValueError as error:
+            self._differs(event, "what the core remembers", message.program, _size(recorded), str(error))
+            self._core = None
+            return
+        self._sees = True
+        self._frames_since_start = 0
+        self._held.clear()
+        self._held.append(messages.held_key(self._core.held))
+
+    def step(self, event: Event, message: step_t) -> None:
+        if self._core is not None and message.sequence != self._next:
+            self.report.gaps += 1
+            self.resolve_sent(at_end=True)
+            self._core = None
+        if self._core is None:
+            self.report.skipped += 1
+            return
+        try:
+            sight = messages.observation_of(message.measurement[0]) if message.measurement else None
+        except ValueError:  # no pose: the event is damaged
+            self.report.unreadable += 1
+            self._core = None
+            return
+        self._next += 1
+        self.report.calls += 1
+        if message.kind == step_t.KIND_FRAME:
+            self._frame(event, message, sight)
+        else:
+            self._other_call(event, message)
+        recorded, held = messages.held_of(message.held), self._core.held
+        self._expect(event, message, "what is held", _held_text(recorded), _held_text(held))
+        self._held.append(messages.held_key(held))
+        self.resolve_sent(at_end=False)
+
+    def sent(self, event: Event, message: sent_t) -> None:
+        """Computed at once from what the sender held; whether that was right is seen a little later."""
+        held = messages.held_of(message.held)
+        status, reason, command = held.at(message.now_us, core.Reason(message.missing))
+        recorded = core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps)
+        self.report.sent += 1
+        withheld = core.Reason(message.reason) in _WITHHELD and recorded == core.Twist()
+        if not withheld:
+            was = _answer_text(core.Status(message.status), core.Reason(message.reason), recorded)
+            inputs = f"sent at {message.now_us} us, missing: {core.Reason(message.missing).name}"
+            if was != (now := _answer_text(status, reason, command)):
+                self._differs(event, "a command that was sent", inputs, was, now)
+        self._pending.append((self._next + _HELD_AHEAD, event, message))
+
+    def picture(self, message: image_t) -> None:
+        if self._from_pixels:
+            self._pictures[message.utime] = message
+            self._pictures.move_to_end(message.utime)
+            while len(self._pictures) > _PICTURES_KEPT:
+                self._pictures.popitem(last=False)
+
+    def resolve_sent(self, *, at_end: bool) -> None:
+        while self._pending and (at_end or self._pending[0][0] <= self._next):
+            _, event, message = self._pending.popleft()
+            held = messages.held_of(message.held)
+            if messages.held_key(held) in self._held:
+                continue
+            if self._core is None or self._frames_since_start < _HELD_BACK or at_end:
+                self.report.sent_unchecked += 1
+            else:
+                self._differs(event, "what the sender held", f"sent at {message.now_us} us", _held_text(held), "never")
+
+    def _config_of(self, message: box_start_t) -> CoordinatorFile:
+        key = b"".join(bytes(file.data) + file.role.encode() for file in message.files)
+        key += "\n".join(message.overrides).encode()
+        if self._config[1] is None or self._config[0] != key:
+            self._config = (key, load_bundle(messages.bundle_of(message)))
+        return self._config[1]
+
+    def _compare_memory(self, event: Event, message: box_start_t) -> None:
+        decisions, eyes = self._core.memory
+        self.report.memories += 1
+        if decisions != bytes(message.decisions):
+            self._differs(
+                event, "what the core remembers", f"before call {self._next}", *_first_byte(message, decisions)
+            )
+        if self._from_pixels and self._sees and eyes != bytes(message.eyes):
+            self._differs(event, "what the eyes remember", f"before call {self._next}", "", "")
+        if self._from_pixels and not self._sees:  # from here on it is known
+            self._core.memory = (decisions, bytes(message.eyes))
+            self._sees = True
+
+    def _frame(self, event: Event, message: step_t, recorded_sight: core.Observation | None) -> None:
+        self.report.frames += 1
+        self.report.commands += 1
+        self.report.measured += len(message.measurement)
+        self._frames_since_start += 1
+        result = self._see(message) if self._from_pixels else None
+        if result is not None:
+            self.report.sights += 1
+            was, now = messages.observation_key(recorded_sight), messages.observation_key(result.observation)
+            if was != now:
+                self._differs(
+                    event,
+                    "what was seen",
+                    _inputs(message),
+                    _sight_text(recorded_sight),
+                    _sight_text(result.observation),
+                )
+        else:
+            result = self._core.answer(
+                message.utime, recorded_sight, message.now_us, core.Reason(message.reason), message.known_age_us
+            )
+        command = core.Twist(linear_mps=message.command_linear_mps, angular_radps=message.command_angular_radps)
+        was = _answer_text(core.Status(message.status), core.Reason(message.reason), command)
+        self._expect(event, message, "the command", was, _answer_text(result.status, result.reason, result.command))
+
+    def _see(self, message: step_t) -> StepResult | None:
+        """The frame through the eyes; None where its pixels are not there, or the eyes' memory is not known."""
+        picture = self._pictures.get(message.utime)
+        if picture is None or not self._sees:
+            if core.Reason(message.reason) not in _REFUSED_BY_TIME:
+                self._sees = False
+                self.report.sights_unchecked += 1
+            return None
+        size = {"width": picture.width, "height": picture.height}
+        frame = blackbox.decode_jpeg(bytes(picture.data), **size, utime=message.utime)
+        if frame is None:
+            frame = core.Frame.unchecked(b"", width=0, height=0, stride_bytes=0, utime=message.utime)
+        frame.known_age_us = message.known_age_us
+        return self._core.step(frame, message.now_us)
+
+    def _other_call(self, event: Event, message: step_t) -> None:
+        twist = core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps)
+        if message.kind == step_t.KIND_SETPOINT:
+            setpoint = core.Setpoint(
+                distance_m=message.distance_m, bearing_rad=message.bearing_rad, run=bool(message.run)
+            )
+            taken = self._core.set_setpoint(setpoint)
+        elif message.kind == step_t.KIND_OWN_MOTION:
+            taken = self._core.set_own_motion(message.utime, twist)
+        else:
+            taken = self._core.set_announced_motion(message.utime, twist)
+        self._expect(event, message, "whether it was taken", str(bool(message.taken)), str(taken))
+
+    def _expect(self, event: Event, message: step_t, what: str, recorded: str, recomputed: str) -> None:
+        if recorded != recomputed:
+            self._differs(event, what, _inputs(message), recorded, recomputed)
+
+    def _differs(self, event: Event, what: str, inputs: str, recorded: str, recomputed: str) -> None:
+        self.report.differences += 1
+        if self.report.first_difference is None:
+            self.report.first_difference = Difference(event, what, inputs, recorded, recomputed)
+
+
+def _inputs(message: step_t) -> str:
+    call = f"call {message.sequence}, {_KINDS.get(message.kind, 'unknown')}"
+    if message.kind == step_t.KIND_FRAME:
+        seen = "measured" if message.measurement else core.Reason(message.reason).name
+        return (
+            f"{call} of {message.utime} us, arrived at {message.now_us} us, known age {message.known_age_us} us, {seen}"
+        )
+    if message.kind == step_t.KIND_SETPOINT:
+        return f"{call}: {message.distance_m} m, {message.bearing_rad} rad, {'run' if message.run else 'stop'}"
+    return f"{call} of {message.utime} us: {message.linear_mps} m/s, {message.angular_radps} rad/s"
+
+
+# Texts in which every bit shows: float.hex() is exact.
+def _twist_text(twist: core.Twist) -> str:
+    exact = f"{float(twist.linear_mps).hex()}, {float(twist.angular_radps).hex()}"
+    return f"{twist.linear_mps:.6g} m/s, {twist.angular_radps:.6g} rad/s ({exact})"
+
+
+def _answer_text(status: core.Status, reason: core.Reason, command: core.Twist) -> str:
+    return f"{status.name}, {reason.name}, {_twist_text(command)}"
+
+
+def _held_text(held: HeldCommand) -> str:
+    flags = f"holding {held.holding}, run {held.run}, ever measured {held.ever_measured}"
+    return f"{_twist_text(held.command)} of {held.utime} us, from {held.from_us} to {held.until_us} us, {flags}"
+
+
+def _sight_text(observation: core.Observation | None) -> str:
+    if observation is None:
+        return "nothing"
+    o = observation
+    return f"{o.distance_m!r} m, {o.bearing_rad!r} rad, {o.heading_rad!r} rad, tags {[tag.id for tag in o.tags]}"
+
+
+def _size(memory: tuple[bytes, bytes]) -> str:
+    return f"{len(memory[0])} + {len(memory[1])} bytes"
+
+
+def _first_byte(message: box_start_t, decisions: bytes) -> tuple[str, str]:
+    pairs = enumerate(zip(bytes(message.decisions), decisions, strict=False))
+    at = next((i for i, (a, b) in pairs if a != b), min(len(decisions), message.decisions_size))
+    return f"{message.decisions_size} bytes", f"{len(decisions)} bytes, first different at {at}"

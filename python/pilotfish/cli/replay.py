@@ -1,0 +1,91 @@
+"""``pilotfish replay``: what a coordinator recorded of itself, computed again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from pilotfish.cli.console import console, friendly_errors, progress, warn
+from pilotfish.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pilotfish.black_box import ReplayReport
+
+
+def replay(
+    log: Annotated[Path, typer.Argument(exists=True, help="A file of a black box, or the folder of its ring.")],
+    must_agree: Annotated[
+        bool, typer.Option("--assert", help="End with 1 if a bit differs, or if there was nothing to compare.")
+    ] = False,
+    from_pixels: Annotated[
+        bool, typer.Option("--from-pixels", help="Look at the recorded JPEGs again, too, where they came as JPEG.")
+    ] = False,
+    robot: Annotated[str | None, typer.Option(help="Whose, if several robots recorded into the folder.")] = None,
+) -> None:
+    """Recompute every command of a recorded run from what the coordinator was given, and compare it bit for bit.
+
+    Needs the program that recorded, on the same kind of processor; nothing is sent anywhere.
+
+    \b
+    Examples
+      pilotfish replay /var/lib/pilotfish --assert
+      pilotfish replay robot1-1764000000000000-12.lcmlog --from-pixels
+    """
+    from pilotfish import blackbox
+    from pilotfish.black_box import events_in
+    from pilotfish.black_box import replay as compute
+
+    with friendly_errors():
+        try:
+            with progress("replaying") as step:
+                report = compute(events_in(log, robot), from_pixels=from_pixels, on_progress=step)
+        except ValueError as error:  # of the bindings; the recorded configuration is not one of this program
+            raise ConfigError(f"{log}: {error}") from error
+        console.print(_table(report, from_pixels))
+        for damage in report.damage:
+            where = "it ends in the middle of an event" if damage.at_end else f"at byte {damage.offset}"
+            warn(f"{damage.file}: {damage.size} bytes that are no events, {where}")
+        for program in report.programs:
+            if program != blackbox.program_description():
+                warn(f"recorded by '{program}', replayed by '{blackbox.program_description()}': bits may differ")
+        _show_first(report)
+    if must_agree and (report.differences or not report.commands):
+        raise typer.Exit(1)
+
+
+def _table(report: ReplayReport, from_pixels: bool) -> Table:
+    table = Table(show_header=False)
+    rows = {
+        "frames": report.frames,
+        "measured": report.measured,
+        "commands of frames compared": report.commands,
+        "commands sent compared": report.sent,
+        "calls of the core, all kinds": report.calls,
+        "starting points": report.starts,
+        "memories compared at later ones": report.memories,
+        "gaps": report.gaps,
+        "calls behind a gap, not compared": report.skipped,
+        "damaged places, unreadable events": f"{len(report.damage)}, {report.unreadable}",
+    }
+    if from_pixels:
+        rows["frames seen again, compared"] = report.sights
+        rows["frames without their JPEG"] = report.sights_unchecked
+    rows["differences"] = report.differences
+    for name, value in rows.items():
+        table.add_row(name, str(value))
+    return table
+
+
+def _show_first(report: ReplayReport) -> None:
+    first = report.first_difference
+    if first is None:
+        console.print("every bit agrees" if report.commands else "nothing to compare: no start, or no frame behind one")
+        return
+    console.print(f"first difference: {first.what}", markup=False)
+    console.print(f"  where       {first.event.file}, byte {first.event.offset}", soft_wrap=True, markup=False)
+    console.print(f"  inputs      {first.inputs}", soft_wrap=True, markup=False)
+    console.print(f"  recorded    {first.recorded}", soft_wrap=True, markup=False)
+    console.print(f"  recomputed  {first.recomputed}", soft_wrap=True, markup=False)

@@ -1,0 +1,131 @@
+#include "pilotfish/config/bundle.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "pilotfish/config/yaml_section.hpp"
+
+namespace pilotfish::config {
+namespace {
+
+constexpr std::array<const char*, 4> kFileKeys = {"camera.calibration", "leader", "fuzzy", "tuning"};
+constexpr const char* kConfig = "config";
+constexpr const char* kTuningOption = "--tuning";
+
+std::string read_text(const std::filesystem::path& file, const std::string& key) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream) throw ConfigError(key, "cannot read " + file.string());
+  return text;
+}
+
+/// The value of a dotted key; an undefined node if it is not there.
+YAML::Node node_at(const YAML::Node& root, const std::string& key) {
+  const std::size_t dot = key.find('.');
+  const YAML::Node first = root[key.substr(0, dot)];
+  return dot == std::string::npos || !first.IsDefined() || !first.IsMap() ? first : node_at(first, key.substr(dot + 1));
+}
+
+YAML::Node parsed(const std::string& text, const std::string& name) {
+  try {
+    YAML::Node root = YAML::Load(text);
+    if (root.IsMap()) return root;
+  } catch (const YAML::Exception&) {
+  }
+  throw ConfigError("file", name + " is not a YAML mapping (key: value)");
+}
+
+/// A folder that is gone when this is.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "pilotfish-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw ConfigError("file", "cannot make a temporary folder " + name);
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    std::ofstream stream(path_ / name, std::ios::binary);
+    stream << text;
+    if (!stream.flush()) throw ConfigError("file", "cannot write " + (path_ / name).string());
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The readers tell FLL by its name's end; nothing else of the old name is used.
+std::string local_name(std::size_t index, const ConfigText& file) {
+  return std::to_string(index) + (std::filesystem::path(file.name).extension() == ".fll" ? ".fll" : ".txt");
+}
+
+}  // namespace
+
+void apply(const ConfigOverrides& overrides, CoordinatorFile& file) {
+  control::FollowerConfig& control = file.coordinator.control;
+  if (overrides.tuning) load_tuning(*overrides.tuning, control);
+  if (overrides.law) control.active_law = control::law_from(*overrides.law);
+  if (overrides.profile) control.profile = control::profile_from(*overrides.profile);
+}
+
+ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverrides& overrides) {
+  ConfigBundle bundle{{{kConfig, file.string(), read_text(file, "file")}}, overrides};
+  const YAML::Node root = parsed(bundle.files.front().text, file.string());
+  for (const std::string key : kFileKeys) {
+    const YAML::Node node = node_at(root, key);
+    if (!node.IsDefined() || !node.IsScalar()) continue;
+    const std::filesystem::path path = file.parent_path() / node.Scalar();  // an absolute one stays as it is
+    bundle.files.push_back({key, path.string(), read_text(path, key)});
+  }
+  if (overrides.tuning)
+    bundle.files.push_back({kTuningOption, *overrides.tuning, read_text(*overrides.tuning, kTuningOption)});
+  return bundle;
+}
+
+CoordinatorFile load_bundle(const ConfigBundle& bundle) {
+  const TemporaryFolder folder;
+  ConfigOverrides overrides = bundle.overrides;
+  overrides.tuning.reset();
+  YAML::Node root;
+  for (std::size_t i = 0; i < bundle.files.size(); ++i) {
+    const ConfigText& file = bundle.files[i];
+    if (file.role == kConfig) {
+      root = parsed(file.text, file.name);
+      continue;
+    }
+    const std::string name = local_name(i, file);
+    const std::filesystem::path path = folder.write(name, file.text);
+    if (file.role == kTuningOption) {
+      overrides.tuning = path.string();
+    } else if (YAML::Node node = node_at(root, file.role); node.IsDefined()) {
+      node = name;
+    }
+  }
+  if (!root.IsMap()) throw ConfigError("file", "the recording has no configuration");
+  // A file that was not recorded must not be looked for on this computer.
+  for (const std::string key : kFileKeys)
+    if (YAML::Node node = node_at(root, key); node.IsDefined() && node.IsScalar()) {
+      bool recorded = false;
+      for (const ConfigText& file : bundle.files) recorded = recorded || file.role == key;
+      if (!recorded) throw ConfigError(key, "the recording lacks the file '" + node.Scalar() + "'");
+    }
+  YAML::Emitter text;
+  text << root;  // scalars keep their text, so numbers keep their bits
+  CoordinatorFile file = load_coordinator(folder.write("config.yaml", text.c_str()));
+  apply(overrides, file);
+  return file;
+}
+
+}  // namespace pilotfish::config
