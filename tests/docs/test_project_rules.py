@@ -20,7 +20,8 @@ MAY_INCLUDE = {
     "capture": {"core"},
     "bus": {"core"},
     "sim": {"core"},
-    "config": {"core", "fuzzy", "vision", "control", "coordinator", "sim"},
+    "base": {"core"},
+    "config": {"core", "fuzzy", "vision", "control", "coordinator", "sim", "base"},
 }
 
 
