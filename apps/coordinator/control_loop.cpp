@@ -19,14 +19,18 @@ double seconds(MonotonicClock::duration duration) { return std::chrono::duration
 /// Everything that leaves the program, in the order command (the wheels wait), observation, status, log, JSON.
 class Reporter {
  public:
-  Reporter(const LoopConfig& config, const Coordinator& coordinator, bus::Bus& bus, const Refused& refused)
-      : config_(config), coordinator_(coordinator), bus_(bus), refused_(refused) {}
+  Reporter(const LoopConfig& config, const Coordinator& coordinator, bus::Bus& bus, const Refused& refused,
+           const SetpointGate& gate)
+      : config_(config), coordinator_(coordinator), bus_(bus), refused_(refused), gate_(gate) {}
 
   void report(const StepResult& result, std::int64_t image_utime, const StepTiming& timing) {
-    bus_.publish(config_.robot, command_report(result, image_utime, ++counter_));
+    bus_.publish(config_.robot, command_report(result, image_utime, gate_.session(), ++counter_));
     bus_.publish(config_.robot, observation_report(result, timing));
     bus::StatusReport status = status_report(result, coordinator_, timing, bus_.rejected());
     status.configured_latency_s = config_.configured_latency_s;
+    status.session = gate_.session();
+    status.setpoint_counter = gate_.last_counter();
+    for (const auto& [name, count] : refused_.setpoints) status.rejected[name] += count;
     status.rejected["frames_stale"] = stale_;
     if (refused_.own_motion > 0) status.rejected["own_motion_unusable"] = refused_.own_motion;
     if (refused_.announcement > 0) status.rejected["announcement_unusable"] = refused_.announcement;
@@ -34,7 +38,7 @@ class Reporter {
     log_change(result);
   }
   void answer_again(const StepResult& result, std::int64_t image_utime) {
-    bus_.publish(config_.robot, command_report(result, image_utime, ++counter_));
+    bus_.publish(config_.robot, command_report(result, image_utime, gate_.session(), ++counter_));
   }
   void print(const StepResult& result, const StepTiming& timing) const {
     if (config_.json) std::cout << json_line(result, timing) << std::endl;
@@ -61,6 +65,7 @@ class Reporter {
   const Coordinator& coordinator_;
   bus::Bus& bus_;
   const Refused& refused_;
+  const SetpointGate& gate_;
   std::int64_t counter_ = 0;
   std::int64_t stale_ = 0;
   bool logged_ = false;
@@ -93,14 +98,14 @@ std::int64_t wall_utime() {
 }  // namespace
 
 void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus,
-                  const Refused& refused) {
+                  const Refused& refused, const SetpointGate& gate) {
   const auto period =
       std::chrono::duration_cast<MonotonicClock::duration>(std::chrono::duration<double>(1.0 / config.frame_rate_hz));
   // A frame that is a little late is no reason for a heartbeat of its own.
   const auto patience = period + period / 2;
   FrameClock clock(wall_utime(), MonotonicClock::now());
   RateMeter rate;
-  Reporter reporter(config, coordinator, bus, refused);
+  Reporter reporter(config, coordinator, bus, refused, gate);
   LatencyWatch latency(config);
   StepTiming timing;
   auto next_beat = MonotonicClock::now() + patience;

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "frame_feed.hpp"
 #include "pilotfish/bus/bus.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
+#include "pilotfish/core/session_guard.hpp"
 
 namespace pilotfish::apps {
 
@@ -22,11 +24,12 @@ struct LoopConfig {
 struct Refused {
   std::int64_t own_motion = 0;
   std::int64_t announcement = 0;
+  std::map<std::string, std::int64_t> setpoints;  ///< by SetpointVerdict
 };
 
 /// Frames in, commands out, until the feed ends or a stop signal comes; then zeros. All the waiting, the clock reading
 /// and the publishing around Coordinator::step, and nothing else.
 void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus,
-                  const Refused& refused);
+                  const Refused& refused, const SetpointGate& gate);
 
 }  // namespace pilotfish::apps

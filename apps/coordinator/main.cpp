@@ -21,6 +21,8 @@
 namespace pilotfish::apps {
 namespace {
 
+constexpr double kStopDistance_m = 0.40;
+
 config::CoordinatorFile load(const Options& options) {
   config::CoordinatorFile file = config::load_coordinator(options.config_path);
   if (options.name) file.name = *options.name;
@@ -107,9 +109,16 @@ int fail(int code, const std::string& message) {
 }
 
 /// Everything that a coordinator may be told between frames.
-void listen(const config::CoordinatorFile& file, bus::Bus& bus, Coordinator& coordinator, Refused& refused) {
-  bus.on_setpoint(file.name, [&](const Setpoint& setpoint) {
-    if (!coordinator.set_setpoint(setpoint)) return;
+void listen(const config::CoordinatorFile& file, bus::Bus& bus, Coordinator& coordinator, Refused& refused,
+            SetpointGate& gate) {
+  bus.on_setpoint(file.name, [&](const bus::SetpointReport& asked) {
+    const SetpointDecision decision = gate.decide(asked.session, asked.counter, asked.setpoint, coordinator.setpoint());
+    if (decision.verdict != SetpointVerdict::accepted && decision.verdict != SetpointVerdict::stopped) {
+      ++refused.setpoints[std::string(to_string(decision.verdict))];
+      return;
+    }
+    const Setpoint& setpoint = decision.setpoint;
+    coordinator.set_setpoint(setpoint);
     spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}", setpoint.distance_m, degrees(setpoint.bearing_rad),
                  setpoint.run ? "run" : "stop");
   });
@@ -125,17 +134,21 @@ void listen(const config::CoordinatorFile& file, bus::Bus& bus, Coordinator& coo
 
 int run(const Options& options) {
   const config::CoordinatorFile file = load(options);
+  std::optional<bus::Key> key;
+  if (!file.key_file.empty()) key = bus::load_key(file.key_file);
   Coordinator coordinator(file.coordinator);
   Refused refused;
   try {
     bus::Bus bus(options.lcm_url);
+    if (key) bus.set_key(*key);
+    SetpointGate gate(bus::new_session_id(), kStopDistance_m);
     OpenedFeed source = open_feed(file, bus);
-    listen(file, bus, coordinator, refused);
+    listen(file, bus, coordinator, refused, gate);
     announce(file, bus);
     spdlog::info("ready: {}", source.description);
     const LoopConfig loop{file.name,          file.frame_rate_hz, file.coordinator.safety.max_age_s,
                           source.every_frame, options.json,       file.coordinator.control.drive.latency_s};
-    control_loop(loop, *source.feed, coordinator, bus, refused);
+    control_loop(loop, *source.feed, coordinator, bus, refused, gate);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());
   } catch (const capture::CaptureError& error) {

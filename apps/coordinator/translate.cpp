@@ -4,8 +4,16 @@
 
 namespace pilotfish::apps {
 
-bus::CommandReport command_report(const StepResult& result, std::int64_t image_utime, std::int64_t counter) {
-  return {image_utime, counter, result.command, result.status, result.reason};
+bus::CommandReport command_report(const StepResult& result, std::int64_t image_utime, std::int64_t session,
+                                  std::int64_t counter) {
+  bus::CommandReport report;
+  report.utime = image_utime;
+  report.session = session;
+  report.counter = counter;
+  report.command = result.command;
+  report.status = result.status;
+  report.reason = result.reason;
+  return report;
 }
 
 bus::ObservationReport observation_report(const StepResult& result, const StepTiming& timing) {

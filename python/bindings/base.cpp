@@ -66,12 +66,12 @@ void bind_guards(py::module_& m) {
       .value("session_ended", CommandVerdict::session_ended)
       .value("foreign", CommandVerdict::foreign)
       .value("sessions_full", CommandVerdict::sessions_full);
-  py::enum_<SetpointVerdict>(m, "SetpointVerdict", "What became of a setpoint.")
-      .value("stopped", SetpointVerdict::stopped)
-      .value("resumed", SetpointVerdict::resumed)
-      .value("noted", SetpointVerdict::noted)
-      .value("other_session", SetpointVerdict::other_session)
-      .value("replayed", SetpointVerdict::replayed);
+  py::enum_<LatchVerdict>(m, "LatchVerdict", "What became of a setpoint.")
+      .value("stopped", LatchVerdict::stopped)
+      .value("resumed", LatchVerdict::resumed)
+      .value("noted", LatchVerdict::noted)
+      .value("other_session", LatchVerdict::other_session)
+      .value("replayed", LatchVerdict::replayed);
   bind_parameters<CommandGuardConfig>(m, "CommandGuardConfig", "How long a command, and a silent sender, count.");
   m.attr("SESSIONS") = CommandGuard::kSessions;
 }
@@ -180,7 +180,7 @@ PYBIND11_MODULE(base, m) {
   py::class_<config::BaseFile>(m, "BaseFile", "What pilotfish-base --config reads.")
       .def_readonly("name", &config::BaseFile::name)
       .def_readonly("base", &config::BaseFile::base)
-      .def_readonly("key", &config::BaseFile::key)
+      .def_readonly("key_file", &config::BaseFile::key_file)
       .def_property_readonly("device", [](const config::BaseFile& file) { return file.driver.device; });
   m.def("load_base", &config::load_base, py::arg("file"), "Throws ValueError naming the key.");
 }

@@ -12,18 +12,73 @@ using namespace pilotfish::bus;
 namespace {
 
 void bind_reports(py::module_& m) {
-  py::class_<CommandReport>(m, "CommandReport", "What goes out as pilotfish.command_t.")
-      .def(py::init([](std::int64_t utime, std::int64_t counter, const Twist& command, Status status, Reason reason) {
-             return CommandReport{utime, counter, command, status, reason};
+  py::class_<CommandReport>(m, "CommandReport", "pilotfish.command_t, out and in.")
+      .def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t base_session,
+                       const Twist& command, bool simulated, Status status, Reason reason) {
+             return CommandReport{utime, session, counter, base_session, command, simulated, status, reason};
            }),
-           py::kw_only(), py::arg("utime"), py::arg("counter") = 0, py::arg("command") = Twist{},
+           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("base_session") = 0,
+           py::arg("command") = Twist{}, py::arg("simulated") = false,
            py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
            py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"))
       .def_readwrite("utime", &CommandReport::utime)
+      .def_readwrite("session", &CommandReport::session)
       .def_readwrite("counter", &CommandReport::counter)
+      .def_readwrite("base_session", &CommandReport::base_session)
       .def_readwrite("command", &CommandReport::command)
+      .def_readwrite("simulated", &CommandReport::simulated)
       .def_readwrite("status", &CommandReport::status)
       .def_readwrite("reason", &CommandReport::reason);
+
+  py::class_<SetpointReport>(
+      m, "SetpointReport",
+      "pilotfish.setpoint_t, out and in. A stop that cannot be believed in anything else comes in "
+      "with session and counter 0.")
+      .def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, const Setpoint& setpoint) {
+             return SetpointReport{utime, session, counter, setpoint};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0,
+           py::arg_v("setpoint", Setpoint{}, "pilotfish.core.Setpoint()"))
+      .def_readwrite("utime", &SetpointReport::utime)
+      .def_readwrite("session", &SetpointReport::session)
+      .def_readwrite("counter", &SetpointReport::counter)
+      .def_readwrite("setpoint", &SetpointReport::setpoint);
+
+  py::class_<BaseReport> base(m, "BaseReport", "pilotfish.base_t, out and in.");
+  py::enum_<BaseReport::State>(base, "State")
+      .value("waiting", BaseReport::State::waiting)
+      .value("driving", BaseReport::State::driving)
+      .value("stopped", BaseReport::State::stopped)
+      .value("fault", BaseReport::State::fault);
+  base.def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t obeys,
+                       const Twist& command, std::optional<Twist> measured, bool stopped, BaseReport::State state,
+                       std::string text, Counters rejected) {
+             return BaseReport{utime,    session, counter, obeys,           command,
+                               measured, stopped, state,   std::move(text), std::move(rejected)};
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("obeys") = 0,
+           py::arg("command") = Twist{}, py::arg("measured") = py::none(), py::arg("stopped") = false,
+           py::arg_v("state", BaseReport::State::waiting, "BaseReport.State.waiting"), py::arg("text") = "",
+           py::arg("rejected") = Counters{})
+      .def_readwrite("utime", &BaseReport::utime)
+      .def_readwrite("session", &BaseReport::session)
+      .def_readwrite("counter", &BaseReport::counter)
+      .def_readwrite("obeys", &BaseReport::obeys)
+      .def_readwrite("command", &BaseReport::command)
+      .def_readwrite("measured", &BaseReport::measured)
+      .def_readwrite("stopped", &BaseReport::stopped)
+      .def_readwrite("state", &BaseReport::state)
+      .def_readwrite("text", &BaseReport::text)
+      .def_readwrite("rejected", &BaseReport::rejected);
+
+  py::class_<StageReport>(m, "StageReport", "How long a stage of the control loop took: pilotfish.stage_t.")
+      .def(py::init([](std::string name, const std::array<std::int32_t, 11>& counts, double max_ms) {
+             return StageReport{std::move(name), counts, max_ms};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("counts") = std::array<std::int32_t, 11>{}, py::arg("max_ms") = 0.0)
+      .def_readwrite("name", &StageReport::name)
+      .def_readwrite("counts", &StageReport::counts)
+      .def_readwrite("max_ms", &StageReport::max_ms);
 
   py::class_<ObservationReport>(m, "ObservationReport", "What goes out as pilotfish.observation_t.")
       .def(py::init(
@@ -37,7 +92,7 @@ void bind_reports(py::module_& m) {
       .def_readwrite("reason", &ObservationReport::reason)
       .def_readwrite("latency_s", &ObservationReport::latency_s);
 
-  py::class_<StatusReport>(m, "StatusReport", "What goes out as pilotfish.status_t.")
+  py::class_<StatusReport>(m, "StatusReport", "pilotfish.status_t, out and in.")
       .def(py::init([](std::int64_t utime, Status status, Reason reason, double error_m, double error_change_m,
                        double output, const std::array<double, kStatusRules>& strengths, const Setpoint& setpoint,
                        double frame_rate_hz, double processing_ms, std::map<std::string, std::int64_t> rejected) {
@@ -68,6 +123,8 @@ void bind_reports(py::module_& m) {
       .def_readwrite("error_change_m", &StatusReport::error_change_m)
       .def_readwrite("output", &StatusReport::output)
       .def_readwrite("strengths", &StatusReport::strengths)
+      .def_readwrite("session", &StatusReport::session)
+      .def_readwrite("setpoint_counter", &StatusReport::setpoint_counter)
       .def_readwrite("setpoint", &StatusReport::setpoint)
       .def_readwrite("trust", &StatusReport::trust)
       .def_readwrite("leader_radial_mps", &StatusReport::leader_radial_mps)
@@ -80,6 +137,9 @@ void bind_reports(py::module_& m) {
       .def_readwrite("configured_latency_s", &StatusReport::configured_latency_s)
       .def_readwrite("frame_rate_hz", &StatusReport::frame_rate_hz)
       .def_readwrite("processing_ms", &StatusReport::processing_ms)
+      .def_readwrite("missed_deadlines", &StatusReport::missed_deadlines)
+      .def_readwrite("clock_epochs", &StatusReport::clock_epochs)
+      .def_readwrite("stages", &StatusReport::stages)
       .def_readwrite("rejected", &StatusReport::rejected);
 
   py::class_<PoseReport>(m, "PoseReport", "What goes out as bot_core.pose_t.")
@@ -114,6 +174,18 @@ PYBIND11_MODULE(bus, m) {
   m.def("channel", &channel, "Channel of a robot: ('robot1', 'COMMAND') -> 'ROBOT1_COMMAND'.", py::arg("robot"),
         py::arg("what"));
   bind_reports(m);
+  py::class_<Key>(m, "Key", "What commands and setpoints are authenticated with: load_key().");
+  m.def("load_key", &load_key, py::arg("path"),
+        "From a file of 64 hex digits that only its owner may read; raises ValueError.");
+  m.def(
+      "message_mac",
+      [](const Key& key, const std::string& channel_name, const py::bytes& encoded) {
+        const std::string bytes = encoded;
+        const Mac mac = message_mac(key, channel_name, bytes.data(), bytes.size());
+        return py::bytes(reinterpret_cast<const char*>(mac.data()), mac.size());
+      },
+      py::arg("key"), py::arg("channel"), py::arg("encoded"), "The MAC of an encoded command_t or setpoint_t.");
+  m.def("new_session_id", &new_session_id, "A positive number drawn at random.");
 
   using Release = py::call_guard<py::gil_scoped_release>;
   py::class_<Bus>(m, "Bus", "A connection to the LCM network: what comes in is checked, or counted in `rejected`.")
@@ -123,6 +195,8 @@ PYBIND11_MODULE(bus, m) {
       .def_property_readonly("receive_buffer_bytes", &Bus::receive_buffer_bytes,
                              "What the kernel grants; 0 if the provider has no socket")
       .def_property_readonly("rejected", &Bus::rejected, "dict: messages dropped, by kind")
+      .def("set_key", &Bus::set_key, py::arg("key"),
+           "Commands and setpoints carry a MAC from now on, and are refused without a right one; stops never are.")
       .def("publish_command", py::overload_cast<const std::string&, const CommandReport&>(&Bus::publish),
            py::arg("robot"), py::arg("report"), Release())
       .def("publish_observation", py::overload_cast<const std::string&, const ObservationReport&>(&Bus::publish),
@@ -133,14 +207,17 @@ PYBIND11_MODULE(bus, m) {
            py::arg("report"), Release())
       .def("publish_motion", py::overload_cast<const std::string&, const MotionReport&>(&Bus::publish),
            py::arg("robot"), py::arg("report"), Release())
-      .def("publish_setpoint", py::overload_cast<const std::string&, const Setpoint&, std::int64_t>(&Bus::publish),
-           py::arg("robot"), py::arg("setpoint"), py::kw_only(), py::arg("utime"), Release(),
-           "Raises ValueError if the setpoint is out of bounds.")
+      .def("publish_base", py::overload_cast<const std::string&, const BaseReport&>(&Bus::publish), py::arg("robot"),
+           py::arg("report"), Release())
+      .def("publish_setpoint", py::overload_cast<const std::string&, const SetpointReport&>(&Bus::publish),
+           py::arg("robot"), py::arg("report"), Release(), "Raises ValueError if the setpoint is out of bounds.")
       .def("publish_image", &Bus::publish_image, py::arg("channel"), py::arg("frame"), Release(),
            "Raw if four of them fit into the receive buffer, else as JPEG of quality 95.")
       .def("on_image", &Bus::on_image, py::arg("channel"), py::arg("handler"), Release(), "handler(frame)")
-      .def("on_setpoint", &Bus::on_setpoint, py::arg("robot"), py::arg("handler"), Release(), "handler(setpoint)")
+      .def("on_setpoint", &Bus::on_setpoint, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def("on_command", &Bus::on_command, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
+      .def("on_status", &Bus::on_status, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
+      .def("on_base", &Bus::on_base, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def("on_pose", &Bus::on_pose, py::arg("robot"), py::arg("handler"), Release(),
            "handler(report): what NAME_POSE says of the robot's speed and turn rate")
       .def("on_motion", &Bus::on_motion, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")

@@ -30,6 +30,7 @@ void bind_config(py::module_& m) {
       .def_property_readonly(
           "odometry",
           [](const config::CoordinatorFile& file) { return file.odometry == config::Odometry::pose ? "pose" : "none"; })
+      .def_readonly("key_file", &config::CoordinatorFile::key_file, "empty: nothing is authenticated")
       .def_readonly("announcements_from", &config::CoordinatorFile::announcements_from, "empty: nobody")
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);

@@ -6,6 +6,7 @@
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/session_guard.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/core/twist.hpp"
@@ -13,6 +14,41 @@
 namespace py = pybind11;
 using namespace pilotfish;
 using namespace pilotfish::python;
+
+namespace {
+
+void bind_session_guard(py::module_& m) {
+  py::enum_<SequenceVerdict>(m, "SequenceVerdict")
+      .value("accepted", SequenceVerdict::accepted)
+      .value("wrong_session", SequenceVerdict::wrong_session)
+      .value("not_rising", SequenceVerdict::not_rising);
+  py::class_<SequenceGuard>(m, "SequenceGuard", "Within one session, counters only rise; session 0 is nobody's.")
+      .def(py::init<std::int64_t>(), py::arg("session") = 0)
+      .def("accept", &SequenceGuard::accept, py::arg("session"), py::arg("counter"))
+      .def("check", &SequenceGuard::check, py::arg("session"), py::arg("counter"), "What accept() would say.")
+      .def_property_readonly("session", &SequenceGuard::session)
+      .def_property_readonly("last_counter", &SequenceGuard::last_counter);
+
+  py::enum_<SetpointVerdict> verdict(m, "SetpointVerdict");
+  for (SetpointVerdict value : {SetpointVerdict::accepted, SetpointVerdict::stopped, SetpointVerdict::wrong_session,
+                                SetpointVerdict::replayed, SetpointVerdict::too_near, SetpointVerdict::out_of_bounds})
+    verdict.value(std::string(to_string(value)).substr(std::string_view("setpoint_").size()).c_str(), value);
+  verdict.def_property_readonly("counted_as", [](SetpointVerdict v) { return std::string(to_string(v)); });
+  py::class_<SetpointDecision>(m, "SetpointDecision")
+      .def_readonly("verdict", &SetpointDecision::verdict)
+      .def_readonly("setpoint", &SetpointDecision::setpoint, "to be kept from now on");
+  py::class_<SetpointGate>(
+      m, "SetpointGate",
+      "A stop is believed from anyone and latched; everything else needs the session, a counter that "
+      "rises, and a distance that is not too small.")
+      .def(py::init<std::int64_t, double>(), py::kw_only(), py::arg("session"), py::arg("stop_distance_m"))
+      .def("decide", &SetpointGate::decide, py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("asked"),
+           py::arg("kept"))
+      .def_property_readonly("session", &SetpointGate::session)
+      .def_property_readonly("last_counter", &SetpointGate::last_counter);
+}
+
+}  // namespace
 
 PYBIND11_MODULE(core, m) {
   m.doc() = "The words everyone shares: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
@@ -41,6 +77,7 @@ PYBIND11_MODULE(core, m) {
       .def_readwrite("distance_m", &Setpoint::distance_m)
       .def_readwrite("bearing_rad", &Setpoint::bearing_rad)
       .def_readwrite("run", &Setpoint::run);
+  bind_session_guard(m);
 
   py::enum_<Status> status(m, "Status",
                            "What the coordinator is doing; only tracking and coasting may move the robot.");

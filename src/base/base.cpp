@@ -66,10 +66,10 @@ CommandVerdict Base::hear(const CommandHeard& command, MonotonicTime arrived, Mo
   return verdict;
 }
 
-SetpointVerdict Base::hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept {
-  const SetpointVerdict verdict = latch_.hear(setpoint, guard_.obeys(now));
-  if (verdict == SetpointVerdict::other_session) ++refused_other_session_;
-  if (verdict == SetpointVerdict::replayed) ++refused_replayed_;
+LatchVerdict Base::hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept {
+  const LatchVerdict verdict = latch_.hear(setpoint, guard_.obeys(now));
+  if (verdict == LatchVerdict::other_session) ++refused_other_session_;
+  if (verdict == LatchVerdict::replayed) ++refused_replayed_;
   return verdict;
 }
 
@@ -98,8 +98,8 @@ std::map<std::string, std::int64_t> Base::rejected() const {
     const std::int64_t count = refused_commands_[static_cast<std::size_t>(i)];
     if (verdict != CommandVerdict::obeyed && count > 0) counters.emplace(to_string(verdict), count);
   }
-  if (refused_other_session_ > 0) counters.emplace(to_string(SetpointVerdict::other_session), refused_other_session_);
-  if (refused_replayed_ > 0) counters.emplace(to_string(SetpointVerdict::replayed), refused_replayed_);
+  if (refused_other_session_ > 0) counters.emplace(to_string(LatchVerdict::other_session), refused_other_session_);
+  if (refused_replayed_ > 0) counters.emplace(to_string(LatchVerdict::replayed), refused_replayed_);
   return counters;
 }
 

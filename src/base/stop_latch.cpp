@@ -2,18 +2,18 @@
 
 namespace pilotfish::base {
 
-std::string_view to_string(SetpointVerdict verdict) noexcept {
+std::string_view to_string(LatchVerdict verdict) noexcept {
   switch (verdict) {
-    case SetpointVerdict::stopped: return "stopped";
-    case SetpointVerdict::resumed: return "resumed";
-    case SetpointVerdict::noted: return "noted";
-    case SetpointVerdict::other_session: return "resume_other_session";
-    case SetpointVerdict::replayed: return "resume_replayed";
+    case LatchVerdict::stopped: return "stopped";
+    case LatchVerdict::resumed: return "resumed";
+    case LatchVerdict::noted: return "noted";
+    case LatchVerdict::other_session: return "resume_other_session";
+    case LatchVerdict::replayed: return "resume_replayed";
   }
   return "resume_unknown";
 }
 
-SetpointVerdict StopLatch::hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept {
+LatchVerdict StopLatch::hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept {
   const bool ours = obeyed != 0 && setpoint.session == obeyed;
   const bool rises = ours && (setpoint.session != session_ || setpoint.counter > highest_counter_);
   if (rises) {
@@ -22,13 +22,13 @@ SetpointVerdict StopLatch::hear(const SetpointHeard& setpoint, std::int64_t obey
   }
   if (!setpoint.run) {
     stopped_ = true;
-    return SetpointVerdict::stopped;
+    return LatchVerdict::stopped;
   }
-  if (!ours) return SetpointVerdict::other_session;
-  if (!rises) return SetpointVerdict::replayed;
-  if (!stopped_) return SetpointVerdict::noted;
+  if (!ours) return LatchVerdict::other_session;
+  if (!rises) return LatchVerdict::replayed;
+  if (!stopped_) return LatchVerdict::noted;
   stopped_ = false;
-  return SetpointVerdict::resumed;
+  return LatchVerdict::resumed;
 }
 
 }  // namespace pilotfish::base

@@ -14,6 +14,7 @@
 #include "image_codec.hpp"
 #include "multicast.hpp"
 #include "report_codec.hpp"
+#include "status_codec.hpp"
 
 namespace pilotfish::bus {
 namespace {
@@ -32,6 +33,9 @@ void check_channel_name(const std::string& name) {
   if (name.empty() || name.size() > LCM_MAX_CHANNEL_NAME_LENGTH || !std::all_of(name.begin(), name.end(), allowed))
     throw ConfigError("channel", "takes 1 to 63 letters, digits, '_', '-' or '/', not '" + name + "'");
 }
+
+template <class Message>
+constexpr bool has_mac = std::is_same_v<Message, command_t> || std::is_same_v<Message, setpoint_t>;
 
 struct Destroy {
   void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
@@ -58,6 +62,8 @@ struct Bus::Connection {
 
   std::string url;
   int receive_buffer_bytes = 0;
+  std::optional<Key> key;
+  std::size_t turn = 0;  ///< of the counters in a state message
   std::map<std::string, std::int64_t> rejected;
   std::vector<std::unique_ptr<Subscription>> subscriptions;
   std::exception_ptr handler_failed;
@@ -72,23 +78,46 @@ struct Bus::Connection {
     if (!repaired.empty()) count(repaired);
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
     const int size_bytes = message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    if constexpr (has_mac<Message>) {
+      if (key) {  // the mac is the last field
+        const Mac mac = message_mac(*key, name, bytes.data(), bytes.size());
+        std::copy(mac.begin(), mac.end(), bytes.end() - static_cast<std::ptrdiff_t>(mac.size()));
+      }
+    }
     if (size_bytes < 0 || lcm_publish(lcm.get(), name.c_str(), bytes.data(), static_cast<unsigned>(size_bytes)) != 0)
       count("publish_failed");
   }
 
   template <class Value>
-  void subscribe(const std::string& name, Checked<Value> (*decode)(const void*, std::size_t),
+  using Decode = Checked<Value> (*)(const void*, std::size_t);
+  template <class Value>
+  using DecodeAuthentic = Checked<Value> (*)(const void*, std::size_t, const Authentication&);
+
+  template <class Value>
+  void subscribe(const std::string& name, DecodeAuthentic<Value> decode, std::function<void(Value)> handler) {
+    subscribe<Value>(
+        name,
+        [this, name, decode](const void* data, std::size_t size_bytes) {
+          return decode(data, size_bytes, {key ? &*key : nullptr, name});
+        },
+        std::move(handler));
+  }
+
+  template <class Value>
+  void subscribe(const std::string& name, Decode<Value> decode, std::function<void(Value)> handler) {
+    subscribe<Value>(name, std::function<Checked<Value>(const void*, std::size_t)>(decode), std::move(handler));
+  }
+
+  template <class Value>
+  void subscribe(const std::string& name, std::function<Checked<Value>(const void*, std::size_t)> decode,
                  std::function<void(Value)> handler) {
     auto subscription = std::make_unique<Subscription>();
     subscription->connection = this;
     subscription->decode_and_hand_over = [this, decode, handler = std::move(handler)](const void* data,
                                                                                       std::size_t size_bytes) {
       Checked<Value> checked = decode(data, size_bytes);
-      if (checked.value) {
-        handler(std::move(*checked.value));
-      } else {
-        count(checked.rejection);
-      }
+      if (!checked.rejection.empty()) count(checked.rejection);
+      if (checked.value) handler(std::move(*checked.value));
     };
     if (lcm_subscribe(lcm.get(), name.c_str(), &Connection::received, subscription.get()) == nullptr)
       throw BusError("liblcm could not subscribe to " + name + " on " + url);
@@ -141,6 +170,7 @@ Bus::~Bus() = default;
 const std::string& Bus::url() const { return connection_->url; }
 int Bus::receive_buffer_bytes() const { return connection_->receive_buffer_bytes; }
 const std::map<std::string, std::int64_t>& Bus::rejected() const { return connection_->rejected; }
+void Bus::set_key(const Key& key) { connection_->key = key; }
 
 void Bus::publish(const std::string& robot, const CommandReport& report) {
   std::string_view repaired;
@@ -156,8 +186,14 @@ void Bus::publish(const std::string& robot, const ObservationReport& report) {
 
 void Bus::publish(const std::string& robot, const StatusReport& report) {
   std::string_view repaired;
-  const status_t message = encode(report, repaired);
+  const status_t message = encode(report, repaired, connection_->turn++);
   connection_->publish(channel(robot, "STATUS"), message, repaired);
+}
+
+void Bus::publish(const std::string& robot, const BaseReport& report) {
+  std::string_view repaired;
+  const base_t message = encode(report, repaired, connection_->turn++);
+  connection_->publish(channel(robot, "BASE"), message, repaired);
 }
 
 void Bus::publish(const std::string& robot, const PoseReport& report) {
@@ -172,9 +208,9 @@ void Bus::publish(const std::string& robot, const MotionReport& report) {
   connection_->publish(channel(robot, "MOTION"), *message);
 }
 
-void Bus::publish(const std::string& robot, const Setpoint& setpoint, std::int64_t utime) {
-  check_ranges(setpoint, "setpoint");
-  connection_->publish(channel(robot, "SETPOINT"), encode(setpoint, utime));
+void Bus::publish(const std::string& robot, const SetpointReport& report) {
+  check_ranges(report.setpoint, "setpoint");
+  connection_->publish(channel(robot, "SETPOINT"), encode(report));
 }
 
 void Bus::publish_image(const std::string& channel, const Frame& frame) {
@@ -192,12 +228,20 @@ void Bus::on_image(const std::string& channel, std::function<void(Frame)> handle
   connection_->subscribe<Frame>(channel, &decode_image, std::move(handler));
 }
 
-void Bus::on_setpoint(const std::string& robot, std::function<void(Setpoint)> handler) {
-  connection_->subscribe<Setpoint>(channel(robot, "SETPOINT"), &decode_setpoint, std::move(handler));
+void Bus::on_setpoint(const std::string& robot, std::function<void(SetpointReport)> handler) {
+  connection_->subscribe<SetpointReport>(channel(robot, "SETPOINT"), &decode_setpoint, std::move(handler));
 }
 
 void Bus::on_command(const std::string& robot, std::function<void(CommandReport)> handler) {
   connection_->subscribe<CommandReport>(channel(robot, "COMMAND"), &decode_command, std::move(handler));
+}
+
+void Bus::on_status(const std::string& robot, std::function<void(StatusReport)> handler) {
+  connection_->subscribe<StatusReport>(channel(robot, "STATUS"), &decode_status, std::move(handler));
+}
+
+void Bus::on_base(const std::string& robot, std::function<void(BaseReport)> handler) {
+  connection_->subscribe<BaseReport>(channel(robot, "BASE"), &decode_base, std::move(handler));
 }
 
 void Bus::on_pose(const std::string& robot, std::function<void(MotionReport)> handler) {

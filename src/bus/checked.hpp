@@ -9,13 +9,14 @@
 namespace pilotfish::bus {
 
 /// What came off the wire: a value that passed every check, or the name of the check that it failed (as
-/// counted in Bus::rejected()).
+/// counted in Bus::rejected()). Both, if only a part of it can be believed.
 template <class Value>
 struct Checked {
   std::optional<Value> value;
   std::string_view rejection;
 
   static Checked accept(Value value) { return {std::move(value), {}}; }
+  static Checked repair(Value value, std::string_view rejection) { return {std::move(value), rejection}; }
   static Checked reject(std::string_view rejection) { return {std::nullopt, rejection}; }
 };
 

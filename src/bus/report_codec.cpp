@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "encoding.hpp"
 #include "wire_reader.hpp"
 
 namespace pilotfish::bus {
@@ -15,14 +15,6 @@ static_assert(static_cast<int>(Status::coasting) == command_t::STATUS_COASTING);
 static_assert(static_cast<int>(Status::lost) == command_t::STATUS_LOST);
 static_assert(static_cast<int>(Status::stopped) == command_t::STATUS_STOPPED);
 static_assert(static_cast<int>(Status::invalid_input) == command_t::STATUS_INVALID_INPUT);
-constexpr int kLastReason = static_cast<int>(Reason::internal_error);
-
-std::string words(Status status, Reason reason) {
-  std::string text(to_string(status));
-  if (reason != Reason::none) text.append(": ").append(to_string(reason));
-  return text;
-}
-
 /// Finite also as the float it becomes on the wire.
 bool fits_float(double value) { return std::isfinite(static_cast<float>(value)); }
 
@@ -41,16 +33,6 @@ bool all_finite(const Observation& observation) {
                      [](const TagSighting& tag) { return all_finite(tag); });
 }
 
-/// Hands finite numbers through and turns others into zeros, remembering that it had to.
-struct FiniteOrZero {
-  bool repaired = false;
-  double operator()(double value) {
-    if (std::isfinite(value)) return value;
-    repaired = true;
-    return 0.0;
-  }
-};
-
 tag_sighting_t encode(const TagSighting& tag) {
   tag_sighting_t message{};
   message.id = tag.id;
@@ -59,27 +41,6 @@ tag_sighting_t encode(const TagSighting& tag) {
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 2; ++k) message.corners_px[i][k] = static_cast<float>(tag.corners_px[i][k]);
   return message;
-}
-
-std::vector<counter_t> encode(const std::map<std::string, std::int64_t>& counters) {
-  const std::size_t named = counters.size() <= kMaxCounters ? counters.size() : kMaxCounters - 1;
-  std::vector<counter_t> messages;
-  std::int64_t others = 0;
-  for (const auto& [name, count] : counters) {
-    if (messages.size() < named) {
-      messages.push_back({name.substr(0, kMaxCounterName), count});
-    } else {
-      others += count;
-    }
-  }
-  if (named < counters.size()) messages.push_back({"others", others});
-  return messages;
-}
-
-template <class Message>
-bool decode_whole(Message& message, const void* data, std::size_t size_bytes) {
-  return size_bytes <= std::numeric_limits<std::int32_t>::max() &&
-         message.decode(data, 0, static_cast<int>(size_bytes)) == static_cast<int>(size_bytes);
 }
 
 constexpr double kUnitWithin = 0.01;  // what rounding to single precision and a sloppy sender leave of 1
@@ -98,7 +59,10 @@ command_t encode(const CommandReport& report, std::string_view& repaired) {
   const Reason reason = finite ? report.reason : Reason::law_not_finite;
   command_t message{};
   message.utime = report.utime;
+  message.session = report.session;
   message.counter = report.counter;
+  message.base_session = report.base_session;
+  message.simulated = report.simulated;
   message.linear_mps = finite ? report.command.linear_mps : 0.0;
   message.angular_radps = finite ? report.command.angular_radps : 0.0;
   message.status = static_cast<std::int8_t>(report.status);
@@ -136,37 +100,6 @@ observation_t encode(const ObservationReport& report, std::string_view& repaired
   return message;
 }
 
-status_t encode(const StatusReport& report, std::string_view& repaired) {
-  FiniteOrZero finite;
-  status_t message{};
-  message.utime = report.utime;
-  message.status = static_cast<std::int8_t>(report.status);
-  message.reason = static_cast<std::int8_t>(report.reason);
-  message.text = words(report.status, report.reason);
-  message.error_m = finite(report.error_m);
-  message.error_change_m = finite(report.error_change_m);
-  message.output = finite(report.output);
-  for (std::size_t i = 0; i < kStatusRules; ++i) message.strengths[i] = finite(report.strengths[i]);
-  message.setpoint_distance_m = finite(report.setpoint.distance_m);
-  message.setpoint_bearing_rad = finite(report.setpoint.bearing_rad);
-  message.setpoint_run = report.setpoint.run;
-  message.trust = finite(report.trust);
-  message.leader_radial_mps = finite(report.leader_radial_mps);
-  message.leader_tangential_mps = finite(report.leader_tangential_mps);
-  message.leader_turn_rate_radps = finite(report.leader_turn_rate_radps);
-  message.own_motion = report.own_motion;
-  message.announcement = report.announcement;
-  message.frame_rate_hz = finite(report.frame_rate_hz);
-  message.processing_ms = finite(report.processing_ms);
-  message.latency_s = finite(report.latency_s);
-  message.latency_from_exposure = report.latency_from_exposure;
-  message.configured_latency_s = finite(report.configured_latency_s);
-  message.rejected = encode(report.rejected);
-  message.rejected_count = static_cast<std::int32_t>(message.rejected.size());
-  if (finite.repaired) repaired = "status_not_finite";
-  return message;
-}
-
 bot_core::pose_t encode(const PoseReport& report, std::string_view& repaired) {
   FiniteOrZero finite;
   const double heading_rad = finite(report.heading_rad), speed_mps = finite(report.velocity.linear_mps);
@@ -193,42 +126,51 @@ std::optional<motion_t> encode(const MotionReport& report) {
   return message;
 }
 
-setpoint_t encode(const Setpoint& setpoint, std::int64_t utime) {
+setpoint_t encode(const SetpointReport& report) {
   setpoint_t message{};
-  message.utime = utime;
-  message.distance_m = setpoint.distance_m;
-  message.bearing_rad = setpoint.bearing_rad;
-  message.run = setpoint.run;
+  message.utime = report.utime;
+  message.session = report.session;
+  message.counter = report.counter;
+  message.distance_m = report.setpoint.distance_m;
+  message.bearing_rad = report.setpoint.bearing_rad;
+  message.run = report.setpoint.run;
   return message;
 }
 
-Checked<Setpoint> decode_setpoint(const void* data, std::size_t size_bytes) {
-  using Result = Checked<Setpoint>;
+Checked<SetpointReport> decode_setpoint(const void* data, std::size_t size_bytes,
+                                        const Authentication& authentication) {
+  using Result = Checked<SetpointReport>;
   setpoint_t message;
   if (!decode_whole(message, data, size_bytes)) return Result::reject("setpoint_corrupt");
+  // Nothing in a stop can be so wrong that the robot should go on.
+  const auto refuse = [&message](std::string_view rejection) {
+    SetpointReport bare_stop;
+    bare_stop.utime = message.utime;
+    bare_stop.setpoint.run = false;
+    return message.run == 0 ? Result::repair(bare_stop, rejection) : Result::reject(rejection);
+  };
+  if (!authentication.is_right(data, size_bytes)) return refuse("setpoint_mac_wrong");
   const Setpoint setpoint{message.distance_m, message.bearing_rad, message.run != 0};
-  if (!std::isfinite(setpoint.distance_m) || !std::isfinite(setpoint.bearing_rad))
-    return Result::reject("setpoint_not_finite");
+  if (!std::isfinite(setpoint.distance_m) || !std::isfinite(setpoint.bearing_rad)) return refuse("setpoint_not_finite");
   try {
     check_ranges(setpoint, "setpoint");
   } catch (const ConfigError&) {
-    return Result::reject("setpoint_out_of_bounds");
+    return refuse("setpoint_out_of_bounds");
   }
-  return Result::accept(setpoint);
+  return Result::accept({message.utime, message.session, message.counter, setpoint});
 }
 
-Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes) {
+Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes, const Authentication& authentication) {
   using Result = Checked<CommandReport>;
   command_t message;
-  if (!is_sound_command(data, size_bytes) || !decode_whole(message, data, size_bytes))
-    return Result::reject("command_corrupt");
+  if (!is_sound_command(data, size_bytes)) return Result::reject("command_corrupt");
+  if (!authentication.is_right(data, size_bytes)) return Result::reject("command_mac_wrong");
+  if (!decode_whole(message, data, size_bytes)) return Result::reject("command_corrupt");
   const Twist twist{message.linear_mps, message.angular_radps};
   if (!is_finite(twist)) return Result::reject("command_not_finite");
-  if (std::abs(twist.linear_mps) > kMaxLinearMps || std::abs(twist.angular_radps) > kMaxAngularRadps ||
-      message.status < 0 || message.status > command_t::STATUS_INVALID_INPUT || message.reason < 0 ||
-      message.reason > kLastReason)
-    return Result::reject("command_out_of_bounds");
-  return Result::accept({message.utime, message.counter, twist, static_cast<Status>(message.status),
+  if (!is_in_bounds(twist) || !is_known(message.status, message.reason)) return Result::reject("command_out_of_bounds");
+  return Result::accept({message.utime, message.session, message.counter, message.base_session, twist,
+                         message.simulated != 0, static_cast<Status>(message.status),
                          static_cast<Reason>(message.reason)});
 }
 
@@ -260,8 +202,7 @@ Checked<MotionReport> decode_motion(const void* data, std::size_t size_bytes) {
   if (!is_usable_time(message.utime)) return Result::reject("motion_time_invalid");
   const Twist twist{message.linear_mps, message.angular_radps};
   if (!is_finite(twist)) return Result::reject("motion_not_finite");
-  if (std::abs(twist.linear_mps) > kMaxLinearMps || std::abs(twist.angular_radps) > kMaxAngularRadps)
-    return Result::reject("motion_out_of_bounds");
+  if (!is_in_bounds(twist)) return Result::reject("motion_out_of_bounds");
   return Result::accept({message.utime, twist});
 }
 

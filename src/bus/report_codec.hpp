@@ -7,8 +7,8 @@
 #include <pilotfish/motion_t.hpp>
 #include <pilotfish/observation_t.hpp>
 #include <pilotfish/setpoint_t.hpp>
-#include <pilotfish/status_t.hpp>
 
+#include "authentication.hpp"
 #include "checked.hpp"
 #include "pilotfish/bus/reports.hpp"
 
@@ -21,19 +21,18 @@ namespace pilotfish::bus {
 command_t encode(const CommandReport& report, std::string_view& repaired);
 /// "Not detected" instead of an observation with a number that is not finite; the first 12 tags.
 observation_t encode(const ObservationReport& report, std::string_view& repaired);
-/// Zeros for numbers that are not finite; counters beyond 16 are added up in one called "others".
-status_t encode(const StatusReport& report, std::string_view& repaired);
 /// Zeros for numbers that are not finite.
 bot_core::pose_t encode(const PoseReport& report, std::string_view& repaired);
 /// Nothing for numbers that are not finite: a zero would say that the robot stands.
 std::optional<motion_t> encode(const MotionReport& report);
-setpoint_t encode(const Setpoint& setpoint, std::int64_t utime);
+setpoint_t encode(const SetpointReport& report);
 
-/// Rejections: setpoint_corrupt, setpoint_not_finite, setpoint_out_of_bounds.
-Checked<Setpoint> decode_setpoint(const void* data, std::size_t size_bytes);
-/// Rejections: command_corrupt, command_not_finite, command_out_of_bounds (velocities no robot of ours has,
-/// or a status or reason that we do not know).
-Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes);
+/// Rejections: setpoint_corrupt, setpoint_mac_wrong, setpoint_not_finite, setpoint_out_of_bounds. A stop that has one
+/// of the last three is handed on all the same, as a bare stop (session and counter 0), beside the rejection.
+Checked<SetpointReport> decode_setpoint(const void* data, std::size_t size_bytes, const Authentication& authentication);
+/// Rejections: command_corrupt, command_mac_wrong, command_not_finite, command_out_of_bounds (velocities no robot of
+/// ours has, or a status or reason that we do not know).
+Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes, const Authentication& authentication);
 
 /// Rejections: pose_corrupt, pose_time_invalid, pose_not_finite, pose_not_a_rotation (the orientation is no unit
 /// quaternion), pose_out_of_bounds. Only what makes a twist is looked at.
@@ -41,10 +40,6 @@ Checked<MotionReport> decode_pose(const void* data, std::size_t size_bytes);
 /// Rejections: motion_corrupt, motion_time_invalid, motion_not_finite, motion_out_of_bounds.
 Checked<MotionReport> decode_motion(const void* data, std::size_t size_bytes);
 
-inline constexpr double kMaxLinearMps = 10.0;
-inline constexpr double kMaxAngularRadps = 50.0;
 inline constexpr std::size_t kMaxTags = 12;
-inline constexpr std::size_t kMaxCounters = 16;
-inline constexpr std::size_t kMaxCounterName = 24;
 
 }  // namespace pilotfish::bus

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace pilotfish::bus {
 
@@ -35,14 +36,16 @@ class WireReader {
     return read(count) && count >= 0 && skip(static_cast<std::size_t>(count));
   }
 
-  bool skip_string() {  // int32 length with the final zero, then as many bytes
+  bool skip_string(std::size_t at_most = kNoLimit) {  // int32 length with the final zero, then as many bytes
     std::int32_t length = 0;
-    return read(length) && length >= 1 && skip(static_cast<std::size_t>(length));
+    return read(length) && length >= 1 && static_cast<std::size_t>(length) - 1 <= at_most &&
+           skip(static_cast<std::size_t>(length));
   }
 
   bool at_end() const { return left_ == 0; }
 
  private:
+  static constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
   const std::uint8_t* at_;
   std::size_t left_;
 };

@@ -35,7 +35,7 @@ BaseFile load_base(const std::filesystem::path& path) {
   file.name = root.text("name");
   if (!is_name(file.name)) throw root.error("name", not_a_name(file.name));
   if (root.optional("driver")) file.driver = driver_from(root.text("driver"));
-  if (root.optional("key")) file.key = root.file_path("key");
+  if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   root.read(file.base);
   read_section(root, "wheels", file.base.wheels);
   read_section(root, "limits", file.base.limits);
@@ -56,7 +56,8 @@ std::string describe_base_config() {
          "## Top level\n\n| key | default | range | meaning |\n|---|---|---|---|\n"
          "| `name` | required | a name | the robot's name on the bus: letters, digits, underscores |\n"
          "| `driver` | dry_run | dry_run, simulator, serial:DEVICE | what turns the wheels |\n"
-         "| `key` | none | file | commands and resumes must be signed with the key in it: 64 hex digits |\n";
+         "| `key_file` | none | file | 64 hex digits that only their owner may read: commands, and setpoints that resume, must carry "
+         "a MAC made with this key |\n";
   describe<base::BaseConfig>(out);
   describe_section<base::DriveGeometry>(out, "wheels");
   describe_section<base::WheelLimitsConfig>(out, "limits");

@@ -72,6 +72,7 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
   if (root.optional("announcements_from"))
     file.announcements_from = announcements_from(root.text("announcements_from"));
+  if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   if (root.optional("law")) config.control.active_law = control::law_from(root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
   if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from twists import Twist
 
 from pilotfish import base
-from pilotfish.base import BaseState, CommandVerdict, SetpointVerdict
+from pilotfish.base import BaseState, CommandVerdict, LatchVerdict
 
 OWN = 77
 MS = 1000
@@ -175,14 +175,14 @@ def test_numbers_that_are_not_finite_are_no_command(wheels, twist):
 
 def test_a_stop_from_anyone_is_immediate_and_lasts_until_the_obeyed_session_is_resumed(wheels):
     driven(wheels)
-    assert wheels.setpoint(run=False) == SetpointVerdict.stopped
+    assert wheels.setpoint(run=False) == LatchVerdict.stopped
     assert wheels.command(1, 11) == CommandVerdict.obeyed
     assert wheels.pass_ms(10).state == BaseState.stopped
     assert not wheels.moves()
-    assert wheels.setpoint(session=2, counter=1, run=True) == SetpointVerdict.other_session
-    assert wheels.setpoint(session=0, counter=1, run=True) == SetpointVerdict.other_session
+    assert wheels.setpoint(session=2, counter=1, run=True) == LatchVerdict.other_session
+    assert wheels.setpoint(session=0, counter=1, run=True) == LatchVerdict.other_session
     assert not wheels.moves()
-    assert wheels.setpoint(session=1, counter=1, run=True) == SetpointVerdict.resumed
+    assert wheels.setpoint(session=1, counter=1, run=True) == LatchVerdict.resumed
     wheels.pass_ms(10)
     assert wheels.moves()
     assert wheels.base.rejected == {"resume_other_session": 2}
@@ -190,25 +190,25 @@ def test_a_stop_from_anyone_is_immediate_and_lasts_until_the_obeyed_session_is_r
 
 def test_a_resume_can_be_used_once(wheels):
     driven(wheels)
-    assert wheels.setpoint(session=1, counter=5, run=True) == SetpointVerdict.noted  # while running
+    assert wheels.setpoint(session=1, counter=5, run=True) == LatchVerdict.noted  # while running
     wheels.setpoint(run=False)
     for counter in (5, 4, -1):
-        assert wheels.setpoint(session=1, counter=counter, run=True) == SetpointVerdict.replayed
-    assert wheels.setpoint(session=1, counter=6, run=True) == SetpointVerdict.resumed
+        assert wheels.setpoint(session=1, counter=counter, run=True) == LatchVerdict.replayed
+    assert wheels.setpoint(session=1, counter=6, run=True) == LatchVerdict.resumed
 
 
 def test_a_run_that_got_lost_cannot_be_played_after_the_stop_that_followed_it(wheels):
     driven(wheels)
     # Counter 5 ran, somewhere else; we only hear the genuine stop with counter 6.
     wheels.setpoint(session=1, counter=6, run=False)
-    assert wheels.setpoint(session=1, counter=5, run=True) == SetpointVerdict.replayed
-    assert wheels.setpoint(session=1, counter=6, run=True) == SetpointVerdict.replayed
-    assert wheels.setpoint(session=1, counter=7, run=True) == SetpointVerdict.resumed
+    assert wheels.setpoint(session=1, counter=5, run=True) == LatchVerdict.replayed
+    assert wheels.setpoint(session=1, counter=6, run=True) == LatchVerdict.replayed
+    assert wheels.setpoint(session=1, counter=7, run=True) == LatchVerdict.resumed
 
 
 def test_nobody_resumes_while_nobody_is_obeyed(wheels):
     wheels.setpoint(run=False)
-    assert wheels.setpoint(session=0, counter=1, run=True) == SetpointVerdict.other_session
+    assert wheels.setpoint(session=0, counter=1, run=True) == LatchVerdict.other_session
     assert wheels.pass_ms(10).state == BaseState.stopped
 
 
@@ -218,8 +218,8 @@ def test_a_stop_survives_a_change_of_the_sender(wheels):
     wheels.pass_ms(600)
     assert wheels.command(2, 1) == CommandVerdict.obeyed
     assert not wheels.moves()
-    assert wheels.setpoint(session=1, counter=9, run=True) == SetpointVerdict.other_session
-    assert wheels.setpoint(session=2, counter=1, run=True) == SetpointVerdict.resumed
+    assert wheels.setpoint(session=1, counter=9, run=True) == LatchVerdict.other_session
+    assert wheels.setpoint(session=2, counter=1, run=True) == LatchVerdict.resumed
 
 
 def test_a_driver_that_cannot_be_reached_is_told_zeros(wheels):
@@ -268,7 +268,7 @@ def test_whatever_happens_the_wheels_move_only_by_a_fresh_command_that_was_obeye
             wheels.setpoint(session, number, run=False)
             stopped = True
         elif what == "run":
-            if wheels.setpoint(session, number, run=True) == SetpointVerdict.resumed:
+            if wheels.setpoint(session, number, run=True) == LatchVerdict.resumed:
                 stopped = False
         elif what == "driver":
             works = flag

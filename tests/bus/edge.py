@@ -1,7 +1,7 @@
 """A Bus that listens to everything, and one good message of each kind, to be spoilt."""
 
 from pilotfish.lcmtypes.bot_core import image_metadata_t, image_t, pose_t
-from pilotfish.lcmtypes.pilotfish import command_t, motion_t, setpoint_t
+from pilotfish.lcmtypes.pilotfish import base_t, command_t, counter_t, motion_t, setpoint_t, stage_t, status_t
 
 
 def valid_image(**changes):
@@ -52,10 +52,40 @@ def valid_motion(**changes):
     return message
 
 
+def counter(name, count=1):
+    message = counter_t()
+    message.name, message.count = name, count
+    return message
+
+
+def with_counters(message, changes):
+    for name, value in ({"rejected": [counter("image_corrupt")]} | changes).items():
+        setattr(message, name, value)
+    message.rejected_count = len(message.rejected)
+    return message
+
+
+def valid_status(**changes):
+    message = status_t()
+    message.setpoint_distance_m, message.text = 1.0, "tracking"
+    stage = stage_t()
+    stage.name = "vision"
+    message.stages, message.stage_count = [stage], 1
+    return with_counters(message, changes)
+
+
+def valid_base(**changes):
+    message = base_t()
+    message.text = "waiting"
+    return with_counters(message, changes)
+
+
 VALID = {
     "IMAGE": valid_image(),
     "R1_SETPOINT": valid_setpoint(),
     "R1_COMMAND": valid_command(),
+    "R1_STATUS": valid_status(),
+    "R1_BASE": valid_base(),
     "R1_POSE": valid_pose(),
     "R1_MOTION": valid_motion(),
 }
@@ -70,6 +100,8 @@ class Edge:
         link.bus.on_image("IMAGE", self.accepted.append)
         link.bus.on_setpoint("r1", self.accepted.append)
         link.bus.on_command("r1", self.accepted.append)
+        link.bus.on_status("r1", self.accepted.append)
+        link.bus.on_base("r1", self.accepted.append)
         link.bus.on_pose("r1", self.accepted.append)
         link.bus.on_motion("r1", self.accepted.append)
 

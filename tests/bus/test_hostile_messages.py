@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 import pytest
-from edge import VALID, valid_command, valid_image, valid_setpoint
+from edge import VALID, counter, valid_base, valid_command, valid_image, valid_setpoint, valid_status
 from PIL import Image
 
 from pilotfish import bus, core, wire
@@ -90,7 +90,7 @@ def test_a_count_that_contradicts_the_messages_length_is_refused_without_allocat
 @pytest.mark.parametrize("length", [0, -1, -(2**31), INT32_MAX, 100])
 def test_a_text_length_that_contradicts_the_messages_length_is_refused(edge, length):
     data = bytearray(valid_command().encode())
-    struct.pack_into(">i", data, 8 + 4 * 8 + 2, length)
+    struct.pack_into(">i", data, 8 + 4 * 8 + 2 * 8 + 3, length)
     assert edge.refuses("R1_COMMAND", bytes(data)) == "command_corrupt"
 
 
@@ -205,12 +205,12 @@ def test_a_setpoint_out_of_bounds_is_refused(edge, changes):
 def test_the_bounds_of_a_setpoint_belong_to_it(edge):
     for distance_m, bearing_rad in [(0.05, math.pi), (20.0, -math.pi)]:
         message = valid_setpoint(distance_m=distance_m, bearing_rad=bearing_rad)
-        assert edge.accepts("R1_SETPOINT", message.encode()).distance_m == distance_m
+        assert edge.accepts("R1_SETPOINT", message.encode()).setpoint.distance_m == distance_m
 
 
 def test_a_setpoint_out_of_bounds_is_not_even_sent(link):
     with pytest.raises(ValueError, match=r"setpoint.distance_m: 21 is outside \[0.05, 20\]"):
-        link.bus.publish_setpoint("r1", core.Setpoint(distance_m=21.0), utime=1)
+        link.bus.publish_setpoint("r1", bus.SetpointReport(utime=1, setpoint=core.Setpoint(distance_m=21.0)))
 
 
 @pytest.mark.parametrize(
@@ -228,6 +228,34 @@ def test_a_setpoint_out_of_bounds_is_not_even_sent(link):
 )
 def test_a_command_that_no_robot_could_mean_is_refused(edge, changes, kind):
     assert edge.refuses("R1_COMMAND", valid_command(**changes).encode()) == kind
+
+
+@pytest.mark.parametrize(
+    ("channel", "message", "kind"),
+    [
+        ("R1_STATUS", valid_status(status=6), "status_out_of_bounds"),
+        ("R1_STATUS", valid_status(reason=-1), "status_out_of_bounds"),
+        ("R1_STATUS", valid_status(setpoint_distance_m=math.nan), "status_not_finite"),
+        ("R1_STATUS", valid_status(strengths=[math.inf] * 56), "status_not_finite"),
+        ("R1_BASE", valid_base(state=4), "base_out_of_bounds"),
+        ("R1_BASE", valid_base(state=-1), "base_out_of_bounds"),
+        ("R1_BASE", valid_base(linear_mps=10.1), "base_out_of_bounds"),
+        ("R1_BASE", valid_base(measured_angular_radps=50.1), "base_out_of_bounds"),
+        ("R1_BASE", valid_base(angular_radps=math.nan), "base_not_finite"),
+        ("R1_BASE", valid_base(measured_linear_mps=math.inf), "base_not_finite"),
+        ("R1_BASE", valid_base(text="x" * 81), "base_corrupt"),
+    ],
+)
+def test_a_state_that_no_process_of_ours_can_be_in_is_refused(edge, channel, message, kind):
+    assert edge.refuses(channel, message.encode()) == kind
+
+
+@pytest.mark.parametrize(("channel", "valid", "at_most"), [("R1_STATUS", valid_status, 24), ("R1_BASE", valid_base, 16)])
+def test_a_list_of_counters_that_nobody_sends_is_refused(edge, channel, valid, at_most):
+    edge.accepts(channel, valid(rejected=[counter("x")] * at_most).encode())
+    edge.accepts(channel, valid(rejected=[counter("x" * 24)]).encode())
+    assert edge.refuses(channel, valid(rejected=[counter("x")] * (at_most + 1)).encode()).endswith("_corrupt")
+    assert edge.refuses(channel, valid(rejected=[counter("x" * 25)]).encode()).endswith("_corrupt")
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])

@@ -25,16 +25,25 @@ def smooth(height, width):
     return (128 + 60 * np.sin(u / 9) + 60 * np.cos(v / 7)).astype(np.uint8)
 
 
+def setpoint_report(**setpoint):
+    return bus.SetpointReport(utime=1, setpoint=core.Setpoint(**setpoint))
+
+
 def test_a_command_goes_out_as_it_is(link):
     report = bus.CommandReport(
         utime=1_700_000_000_123_456,
+        session=2**62 + 1,
         counter=41,
+        base_session=7,
+        simulated=True,
         command=core.Twist(linear_mps=0.25, angular_radps=-1.5),
         status=core.Status.lost,
         reason=core.Reason.no_tag_found,
     )
     command = command_t.decode(link.catch("ROBOT1_COMMAND", lambda: link.bus.publish_command("robot1", report)))
     assert (command.utime, command.counter) == (1_700_000_000_123_456, 41)
+    assert (command.session, command.base_session, command.simulated) == (2**62 + 1, 7, True)
+    assert command.mac == bytes(32)  # no key
     assert (command.linear_mps, command.angular_radps) == (0.25, -1.5)
     assert (command.status, command.text) == (command_t.STATUS_LOST, "lost: no tag in the picture")
 
@@ -43,13 +52,15 @@ def test_a_command_comes_in_as_it_is(link):
     received = []
     link.bus.on_command("robot1", received.append)
     message = command_t()
-    message.utime, message.counter = 77, 5
+    message.utime, message.session, message.counter, message.base_session = 77, 2**62 + 1, 5, 9
+    message.simulated = True
     message.linear_mps, message.angular_radps = -0.125, 2.0
     message.status, message.reason = command_t.STATUS_COASTING, int(core.Reason.tag_refused)
     message.text = "any words"
     link.send("ROBOT1_COMMAND", message.encode())
     (report,) = received
-    assert (report.utime, report.counter) == (77, 5)
+    assert (report.utime, report.session, report.counter, report.base_session) == (77, 2**62 + 1, 5, 9)
+    assert report.simulated
     assert report.command == core.Twist(linear_mps=-0.125, angular_radps=2.0)
     assert (report.status, report.reason) == (core.Status.coasting, core.Reason.tag_refused)
 
@@ -100,7 +111,7 @@ def test_a_status_goes_out_as_it_is(link):
     assert (message.own_motion, message.announcement, message.latency_from_exposure) == (1, 3, True)
     assert (message.utime, message.status, message.text) == (3, command_t.STATUS_TRACKING, "tracking")
     assert (message.error_m, message.error_change_m, message.output) == (-0.5, 0.01, 0.75)
-    np.testing.assert_array_equal(message.strengths, strengths)
+    np.testing.assert_array_equal(message.strengths, strengths.astype(np.float32))
     assert (message.setpoint_distance_m, message.setpoint_bearing_rad, message.setpoint_run) == (
         1.1,
         -0.1,
@@ -164,13 +175,65 @@ def test_an_announcement_survives_both_ways(link):
 
 def test_a_setpoint_survives_both_ways(link):
     setpoint = core.Setpoint(distance_m=0.65, bearing_rad=0.2, run=False)
-    data = link.catch("R1_SETPOINT", lambda: link.bus.publish_setpoint("r1", setpoint, utime=12))
+    report = bus.SetpointReport(utime=12, session=2**62 + 1, counter=2**61, setpoint=setpoint)
+    data = link.catch("R1_SETPOINT", lambda: link.bus.publish_setpoint("r1", report))
     message = setpoint_t.decode(data)
-    assert (message.utime, message.distance_m, message.bearing_rad, message.run) == (12, 0.65, 0.2, False)
+    assert (message.utime, message.session, message.counter) == (12, 2**62 + 1, 2**61)
+    assert (message.distance_m, message.bearing_rad, message.run) == (0.65, 0.2, False)
     received = []
     link.bus.on_setpoint("r1", received.append)
     link.send("R1_SETPOINT", data)
-    assert (received[0].distance_m, received[0].bearing_rad, received[0].run) == (0.65, 0.2, False)
+    (back,) = received
+    assert (back.utime, back.session, back.counter) == (12, 2**62 + 1, 2**61)
+    assert (back.setpoint.distance_m, back.setpoint.bearing_rad, back.setpoint.run) == (0.65, 0.2, False)
+
+
+@pytest.mark.parametrize("measured", [None, core.Twist(linear_mps=0.25, angular_radps=-0.5)])
+def test_what_the_wheels_process_says_survives_both_ways(link, measured):
+    report = bus.BaseReport(
+        utime=12,
+        session=2**62 + 1,
+        counter=3,
+        obeys=2**61,
+        command=core.Twist(linear_mps=0.125, angular_radps=-1.0),
+        measured=measured,
+        stopped=True,
+        state=bus.BaseReport.State.fault,
+        text="the serial line is gone",
+        rejected={"command_replayed": 4},
+    )
+    data = link.catch("R1_BASE", lambda: link.bus.publish_base("r1", report))
+    received = []
+    link.bus.on_base("r1", received.append)
+    link.send("R1_BASE", data)
+    (back,) = received
+    for field in ("utime", "session", "counter", "obeys", "command", "measured", "stopped", "state", "text", "rejected"):
+        assert getattr(back, field) == getattr(report, field), field
+
+
+def test_a_status_survives_both_ways(link):
+    report = bus.StatusReport(
+        utime=3,
+        status=core.Status.lost,
+        reason=core.Reason.no_frame,
+        error_m=-0.5,
+        strengths=np.linspace(0, 1, 57)[1:] // 0.25 / 4,  # exact in single precision
+        setpoint=core.Setpoint(distance_m=1.1, bearing_rad=-0.1, run=False),
+        rejected={"image_corrupt": 3},
+    )
+    report.session, report.setpoint_counter, report.missed_deadlines, report.clock_epochs = 2**62 + 1, 2**61, 5, 6
+    report.stages = [bus.StageReport(name="vision", counts=range(11), max_ms=12.5)]
+    data = link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", report))
+    received = []
+    link.bus.on_status("r1", received.append)
+    link.send("R1_STATUS", data)
+    (back,) = received
+    fields = "utime status reason error_m strengths session setpoint_counter missed_deadlines clock_epochs rejected"
+    for field in fields.split():
+        assert getattr(back, field) == getattr(report, field), field
+    assert (back.setpoint.distance_m, back.setpoint.bearing_rad, back.setpoint.run) == (1.1, -0.1, False)
+    (stage,) = back.stages
+    assert (stage.name, stage.counts, stage.max_ms) == ("vision", list(range(11)), 12.5)
 
 
 def test_a_raw_picture_survives_both_ways_bit_for_bit(link):
@@ -299,14 +362,14 @@ def test_waiting_for_messages_lets_other_python_threads_run(link):
 def test_a_handlers_exception_comes_out_of_handle_and_loses_no_other_message(link):
     received = []
 
-    def fussy(setpoint):
-        if setpoint.distance_m == 1.0:
+    def fussy(report):
+        if report.setpoint.distance_m == 1.0:
             raise KeyError("not this one")
-        received.append(setpoint.distance_m)
+        received.append(report.setpoint.distance_m)
 
     link.bus.on_setpoint("r1", fussy)
     for distance_m in (1.0, 2.0):
-        link.bus.publish_setpoint("r1", core.Setpoint(distance_m=distance_m), utime=1)
+        link.bus.publish_setpoint("r1", setpoint_report(distance_m=distance_m))
     with pytest.raises(KeyError, match="not this one"):
         link.bus.handle(5000)
     assert link.bus.handle(5000) == 1
@@ -315,7 +378,7 @@ def test_a_handlers_exception_comes_out_of_handle_and_loses_no_other_message(lin
 
 def test_handling_messages_inside_a_handler_is_refused(link):
     link.bus.on_setpoint("r1", lambda _: link.bus.handle(0))
-    link.bus.publish_setpoint("r1", core.Setpoint(), utime=1)
+    link.bus.publish_setpoint("r1", setpoint_report())
     with pytest.raises(RuntimeError, match="not re-entrant"):
         link.bus.handle(5000)
 

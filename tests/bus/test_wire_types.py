@@ -49,10 +49,22 @@ def worst_tag(tag_id):
     return core.TagSighting(id=tag_id, corners_px=np.full((4, 2), 639.5), hamming=2, decision_margin=1e9)
 
 
+def worst_counters(how_many):
+    return {f"{i:02}{'x' * 22}": 2**62 for i in range(how_many)}
+
+
+def worst_status(counters):
+    status, reason = longest_words()
+    report = bus.StatusReport(utime=2**62, status=status, reason=reason, rejected=counters)
+    report.stages = [bus.StageReport(name="x" * 12, counts=[2**31 - 1] * 11, max_ms=1e9) for _ in range(6)]
+    return report
+
+
 def test_the_longest_state_messages_fit_into_one_datagram(link):
     status, reason = longest_words()
     extreme = 2**62
     observation = core.Observation(utime=extreme, distance_m=20.0, tags=[worst_tag(i) for i in range(12)])
+    base = bus.BaseReport(utime=extreme, text="x" * 80, rejected=worst_counters(16))
     encoded = {
         "COMMAND": lambda: link.bus.publish_command(
             "r1", bus.CommandReport(utime=extreme, counter=extreme, status=status, reason=reason)
@@ -60,39 +72,60 @@ def test_the_longest_state_messages_fit_into_one_datagram(link):
         "OBSERVATION": lambda: link.bus.publish_observation(
             "r1", bus.ObservationReport(utime=extreme, observation=observation, reason=reason)
         ),
-        "STATUS": lambda: link.bus.publish_status(
-            "r1",
-            bus.StatusReport(
-                utime=extreme,
-                status=status,
-                reason=reason,
-                rejected={f"{i:02}{'x' * 22}": extreme for i in range(16)},
-            ),
-        ),
-        "SETPOINT": lambda: link.bus.publish_setpoint("r1", core.Setpoint(), utime=extreme),
+        "STATUS": lambda: link.bus.publish_status("r1", worst_status(worst_counters(40))),
+        "BASE": lambda: link.bus.publish_base("r1", base),
+        "SETPOINT": lambda: link.bus.publish_setpoint("r1", bus.SetpointReport(utime=extreme)),
         "MOTION": lambda: link.bus.publish_motion("r1", bus.MotionReport(utime=extreme)),
         "POSE": lambda: link.bus.publish_pose("r1", bus.PoseReport(utime=extreme, x_m=1, y_m=1, heading_rad=1)),
     }
     sizes = {what: len(link.catch(f"R1_{what}", publish)) for what, publish in encoded.items()}
-    assert max(sizes.values()) < ONE_DATAGRAM_BYTES, sizes
-    # And the worst case is one: 12 tags of 41 bytes, 56 strengths, 16 counters of 37 bytes.
+    assert max(sizes.values()) <= ONE_DATAGRAM_BYTES, sizes
+    # And the worst case is one: 12 tags of 41 bytes; 56 strengths of 4, 6 stages of 69 and 13 counters of 37 bytes; 16
+    # counters and a text.
     assert sizes["OBSERVATION"] > 12 * 41
-    assert sizes["STATUS"] > 56 * 8 + 16 * 37
+    assert sizes["STATUS"] > 56 * 4 + 6 * 69 + 13 * 37
+    assert sizes["BASE"] > 16 * 37 + 80
 
 
-def test_all_tags_of_a_body_fit_and_more_counters_than_the_limit_do_not_make_a_message_longer(link):
+def catch_status(link, report):
+    return types.status_t.decode(link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", report)))
+
+
+def test_of_the_longest_counters_13_travel_with_6_stages_and_a_status_without_stages_has_room_for_24(link):
+    message = catch_status(link, worst_status(worst_counters(13)))
+    assert (len(message.stages), message.rejected_count) == (6, 13)
+    assert {c.name: c.count for c in message.rejected} == worst_counters(13)
+    assert catch_status(link, bus.StatusReport(utime=1, rejected=worst_counters(24))).rejected_count == 24
+
+
+def test_of_more_counters_than_fit_every_one_is_seen_in_its_turn_and_nothing_vanishes(link):
+    counters = {f"{i:02}{'x' * 22}": 10**i for i in range(18)}
+    seen = {}
+    for _ in range(2):  # 12 and "others", then 6 and "others"
+        rejected = catch_status(link, worst_status(counters)).rejected
+        assert rejected[-1].name == "others"
+        assert sum(c.count for c in rejected) == sum(counters.values())
+        seen |= {c.name: c.count for c in rejected[:-1]}
+    assert seen == counters
+
+
+def test_more_stages_and_longer_names_than_there_is_room_for_are_cut(link):
+    report = worst_status({"y" * 40: 1})
+    report.stages = [bus.StageReport(name=f"{i}" * 40) for i in range(8)]
+    message = catch_status(link, report)
+    assert [stage.name for stage in message.stages] == [f"{i}" * 12 for i in range(6)]
+    assert [c.name for c in message.rejected] == ["y" * 24]
+    data = link.catch("R1_BASE", lambda: link.bus.publish_base("r1", bus.BaseReport(utime=1, text="x" * 400)))
+    assert types.base_t.decode(data).text == "x" * 80
+
+
+def test_all_tags_of_a_body_fit(link):
     observation = core.Observation(utime=1, distance_m=1.0, tags=[worst_tag(i) for i in range(12)])
     data = link.catch(
         "R1_OBSERVATION",
         lambda: link.bus.publish_observation("r1", bus.ObservationReport(utime=1, observation=observation)),
     )
     assert [tag.id for tag in types.observation_t.decode(data).tags] == list(range(12))
-
-    counters = {f"{i:02}{'x' * 40}": 10**i for i in range(18)}
-    data = link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", bus.StatusReport(utime=1, rejected=counters)))
-    rejected = types.status_t.decode(data).rejected
-    assert [c.name for c in rejected] == [f"{i:02}{'x' * 22}" for i in range(15)] + ["others"]
-    assert sum(c.count for c in rejected) == sum(counters.values())  # nothing vanishes
 
 
 def test_the_numbers_on_the_wire_are_those_of_the_enumerations(link):

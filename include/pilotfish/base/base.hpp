@@ -62,7 +62,7 @@ class Base {
   static void check(const BaseConfig& config);
 
   CommandVerdict hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept;
-  SetpointVerdict hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept;
+  LatchVerdict hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept;
   /// The driver can or cannot be reached.
   void driver_works(bool works) noexcept { driver_works_ = works; }
 
@@ -70,6 +70,7 @@ class Base {
   /// When step() must be asked again at the latest, because a command gets too old.
   std::optional<MonotonicTime> deadline() const noexcept { return guard_.deadline(); }
 
+  bool stopped() const noexcept { return latch_.stopped(); }
   std::int64_t session() const noexcept { return own_session_; }
   /// What was refused, by name; only what there was.
   std::map<std::string, std::int64_t> rejected() const;

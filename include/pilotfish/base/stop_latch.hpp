@@ -12,7 +12,7 @@ struct SetpointHeard {
   bool run = false;
 };
 
-enum class SetpointVerdict {
+enum class LatchVerdict {
   stopped,        ///< the wheels stand until they are resumed
   resumed,        ///< a stop has ended
   noted,          ///< running already; its counter cannot be used again
@@ -20,7 +20,7 @@ enum class SetpointVerdict {
   replayed,       ///< to run, with a counter that is not higher than all before
 };
 /// "resume_other_session", "resume_replayed", ...: at most 24 letters.
-std::string_view to_string(SetpointVerdict verdict) noexcept;
+std::string_view to_string(LatchVerdict verdict) noexcept;
 
 /// A stop is believed from anyone and lasts. Only a message to run that names the obeyed session, with a counter that
 /// rises (and a right mac where a key is configured: the bus checks that), ends it. A stop with such a number uses it
@@ -31,7 +31,7 @@ class StopLatch {
   explicit StopLatch(bool stopped = false) : stopped_(stopped) {}
 
   /// `obeyed`: the session whose commands are obeyed now; 0: nobody's, and then nobody can resume.
-  SetpointVerdict hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept;
+  LatchVerdict hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept;
   bool stopped() const noexcept { return stopped_; }
 
  private:

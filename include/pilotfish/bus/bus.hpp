@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "pilotfish/bus/key.hpp"
 #include "pilotfish/bus/reports.hpp"
 #include "pilotfish/core/frame.hpp"
 
@@ -40,6 +41,11 @@ class Bus {
   /// What the kernel granted, read back [bytes]; 0 if the provider has no socket. Decides whether images travel raw.
   int receive_buffer_bytes() const;
 
+  /// From now on commands and setpoints carry a MAC, and only those with a right one come in: others are counted
+  /// ("command_mac_wrong", "setpoint_mac_wrong"). A stop is handed on whatever its MAC, as a bare one. No other message
+  /// is authenticated.
+  void set_key(const Key& key);
+
   /// Published numbers are always finite: what is not is replaced (a command by zeros) and counted in
   /// rejected(). Only names and setpoints that cannot be right throw (ConfigError).
   void publish(const std::string& robot, const CommandReport& report);
@@ -47,13 +53,17 @@ class Bus {
   void publish(const std::string& robot, const StatusReport& report);
   void publish(const std::string& robot, const PoseReport& report);
   void publish(const std::string& robot, const MotionReport& report);
-  void publish(const std::string& robot, const Setpoint& setpoint, std::int64_t utime);
+  void publish(const std::string& robot, const BaseReport& report);
+  void publish(const std::string& robot, const SetpointReport& report);
   /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
   void publish_image(const std::string& channel, const Frame& frame);
 
   void on_image(const std::string& channel, std::function<void(Frame)> handler);
-  void on_setpoint(const std::string& robot, std::function<void(Setpoint)> handler);
+  /// A stop comes in from anyone (see SetpointReport). The handler asks a SetpointGate.
+  void on_setpoint(const std::string& robot, std::function<void(SetpointReport)> handler);
   void on_command(const std::string& robot, std::function<void(CommandReport)> handler);
+  void on_status(const std::string& robot, std::function<void(StatusReport)> handler);
+  void on_base(const std::string& robot, std::function<void(BaseReport)> handler);
   /// What NAME_POSE says of the robot's speed and turn rate; not where it is.
   void on_pose(const std::string& robot, std::function<void(MotionReport)> handler);
   /// What a robot announces of itself on NAME_MOTION.

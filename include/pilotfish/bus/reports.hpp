@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
@@ -13,13 +14,43 @@
 
 namespace pilotfish::bus {
 
-/// What goes out as pilotfish.command_t.
+/// pilotfish.command_t, out and in.
 struct CommandReport {
-  std::int64_t utime = 0;    ///< exposure of the image it answers; of the last one, when none came
-  std::int64_t counter = 0;  ///< one more with every command sent
+  std::int64_t utime = 0;         ///< exposure of the image it answers; of the last one, when none came
+  std::int64_t session = 0;       ///< the sender's (new_session_id()); 0: nobody obeys it
+  std::int64_t counter = 0;       ///< one more with every command sent in this session
+  std::int64_t base_session = 0;  ///< of the wheels' process that the sender has heard; 0: none
   Twist command;
+  bool simulated = false;  ///< never for real wheels
   Status status = Status::searching;
   Reason reason = Reason::none;
+};
+
+/// pilotfish.setpoint_t, out and in; SetpointGate decides what it is worth. A stop without a right MAC, or with numbers
+/// that cannot be right, comes in as a bare stop: session and counter 0.
+struct SetpointReport {
+  std::int64_t utime = 0;
+  std::int64_t session = 0;  ///< of the coordinator it is meant for
+  std::int64_t counter = 0;  ///< higher than every one that this session has accepted
+  Setpoint setpoint;
+};
+
+/// Refusals by reason. Names have at most 24 letters.
+using Counters = std::map<std::string, std::int64_t>;
+
+/// pilotfish.base_t, out and in.
+struct BaseReport {
+  enum class State { waiting, driving, stopped, fault };
+  std::int64_t utime = 0;
+  std::int64_t session = 0;  ///< of the wheels' process; commands name it
+  std::int64_t counter = 0;
+  std::int64_t obeys = 0;  ///< the session whose commands are obeyed; 0: nobody's
+  Twist command;           ///< what the wheels are told, after every limit
+  std::optional<Twist> measured;
+  bool stopped = false;  ///< latched
+  State state = State::waiting;
+  std::string text;   ///< for people; at most 80 letters travel
+  Counters rejected;  ///< at most 16 travel
 };
 
 /// What goes out as pilotfish.observation_t.
@@ -32,7 +63,15 @@ struct ObservationReport {
 
 inline constexpr std::size_t kStatusRules = 56;
 
-/// What goes out as pilotfish.status_t.
+/// How long a stage of the control loop took: pilotfish.stage_t.
+struct StageReport {
+  std::string name;  ///< at most 12 letters
+  /// how often less than 0.25, 0.5, 1, ... 128 ms (and not less than the one before), or longer
+  std::array<std::int32_t, 11> counts{};
+  double max_ms = 0.0;
+};
+
+/// pilotfish.status_t, out and in.
 struct StatusReport {
   std::int64_t utime = 0;
   Status status = Status::searching;
@@ -40,6 +79,8 @@ struct StatusReport {
   double error_m = 0.0, error_change_m = 0.0;
   double output = 0.0;  ///< u of the fuzzy law, normalised
   std::array<double, kStatusRules> strengths{};
+  std::int64_t session = 0;           ///< the coordinator's
+  std::int64_t setpoint_counter = 0;  ///< of the last setpoint accepted in this session
   Setpoint setpoint;
   double trust = 0.0;  ///< share of the feed-forward in the command
   double leader_radial_mps = 0.0, leader_tangential_mps = 0.0, leader_turn_rate_radps = 0.0;
@@ -50,7 +91,10 @@ struct StatusReport {
   double latency_s = 0.0;              ///< to the command, over the last frames
   bool latency_from_exposure = false;  ///< else from the frame's arrival
   double configured_latency_s = 0.0;
-  std::map<std::string, std::int64_t> rejected;  ///< counters by reason; at most 16, names of at most 24 letters
+  std::int64_t missed_deadlines = 0;  ///< commands that left later than they were due
+  std::int64_t clock_epochs = 0;      ///< how often the clock of the images was set
+  std::vector<StageReport> stages;    ///< at most 6 travel
+  Counters rejected;                  ///< as many as fit travel with one message, and the others with the next
 };
 
 /// A robot's true pose in the world: bot_core.pose_t.

@@ -24,7 +24,7 @@ WheelDriver driver_from(const std::string& text);
 struct BaseFile {
   std::string name = "robot1";  ///< the robot's name on the bus
   WheelDriver driver;
-  std::filesystem::path key;  ///< file with the key that commands and resumes must be signed with; empty: none
+  std::string key_file;  ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   base::BaseConfig base;
 };
 /// Throws ConfigError naming the key.

@@ -43,6 +43,7 @@ struct CoordinatorFile {
   std::string source = "lcm";   ///< where frames come from, unless --source says otherwise
   Odometry odometry = Odometry::none;
   std::string announcements_from;  ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
+  std::string key_file;            ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;     ///< expected of the source; 1/T of the law unless control_period_s says otherwise
   CoordinatorConfig coordinator;
 };

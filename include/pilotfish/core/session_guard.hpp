@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "pilotfish/core/setpoint.hpp"
+
+namespace pilotfish {
+
+/// What a SequenceGuard says of a message.
+enum class SequenceVerdict { accepted, wrong_session, not_rising };
+
+std::string_view to_string(SequenceVerdict verdict) noexcept;
+
+/// Tells the messages of one living sender from everybody else's and from recordings: a session is a number drawn at
+/// random, and within it counters only rise. A session of 0 is nobody's: nothing is accepted.
+///
+/// Without a key both numbers can be read off the bus and forged; what this keeps away are mistakes (a log that is
+/// played back, a second sender, a datagram that comes twice). With a key (bus::Key) it keeps replays away.
+class SequenceGuard {
+ public:
+  explicit SequenceGuard(std::int64_t session = 0) : session_(session) {}
+
+  /// A refused message changes nothing: it cannot push the counter up for others.
+  SequenceVerdict accept(std::int64_t session, std::int64_t counter) noexcept;
+  /// What accept() would say.
+  SequenceVerdict check(std::int64_t session, std::int64_t counter) const noexcept;
+
+  std::int64_t session() const { return session_; }
+  std::int64_t last_counter() const { return last_counter_; }  ///< of the last one accepted; 0: none yet
+
+ private:
+  std::int64_t session_;
+  std::int64_t last_counter_ = 0;
+};
+
+/// What a SetpointGate says of a message.
+enum class SetpointVerdict { accepted, stopped, wrong_session, replayed, too_near, out_of_bounds };
+
+/// As the refusals are counted: "setpoint_wrong_session", "setpoint_replayed", ...
+std::string_view to_string(SetpointVerdict verdict) noexcept;
+
+struct SetpointDecision {
+  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;
+  Setpoint setpoint;  ///< to be kept from now on
+};
+
+/// Who may tell a coordinator what to keep.
+///
+///   - A stop (run = false) is believed from anyone, always, and it is latched: only an accepted message with run =
+///   true
+///     ends it.
+///   - Everything else must name the session, rise above every counter accepted before, and keep a distance of at least
+///     stop_distance_m, within the bounds of a Setpoint.
+///   - A stop moves the target and raises the counter only if it would have been accepted with run = true: a forged
+///   stop
+///     stops, and nothing else. So a recording made before a genuine stop cannot be played after it.
+///
+/// A message's MAC, where a key is configured, has been checked before (bus::Bus); a stop with a wrong one arrives here
+/// with session 0.
+class SetpointGate {
+ public:
+  SetpointGate(std::int64_t session, double stop_distance_m) : sequence_(session), stop_distance_m_(stop_distance_m) {}
+
+  /// `kept` is what has been kept until now.
+  SetpointDecision decide(std::int64_t session, std::int64_t counter, const Setpoint& asked, const Setpoint& kept);
+
+  std::int64_t session() const { return sequence_.session(); }
+  std::int64_t last_counter() const { return sequence_.last_counter(); }  ///< goes into StatusReport::setpoint_counter
+
+ private:
+  SetpointVerdict judge(std::int64_t session, std::int64_t counter, const Setpoint& asked) const;
+
+  SequenceGuard sequence_;
+  double stop_distance_m_;
+};
+
+}  // namespace pilotfish

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <pilotfish/counter_t.hpp>
+#include <string>
+#include <vector>
+
+#include "pilotfish/bus/reports.hpp"
+#include "wire_reader.hpp"
+
+namespace pilotfish::bus {
+
+// What the codecs of several messages share.
+
+inline constexpr double kMaxLinearMps = 10.0;
+inline constexpr double kMaxAngularRadps = 50.0;
+inline constexpr std::size_t kMaxCounterName = 24;
+
+/// A velocity that a robot of ours could have.
+inline bool is_in_bounds(const Twist& twist) {
+  return std::abs(twist.linear_mps) <= kMaxLinearMps && std::abs(twist.angular_radps) <= kMaxAngularRadps;
+}
+
+/// Numbers of a Status and of a Reason.
+bool is_known(int status, int reason);
+
+/// "lost: no tag in the picture"
+std::string words(Status status, Reason reason);
+
+/// Hands finite numbers through and turns others into zeros, remembering that it had to.
+struct FiniteOrZero {
+  bool repaired = false;
+  double operator()(double value) {
+    if (std::isfinite(value)) return value;
+    repaired = true;
+    return 0.0;
+  }
+};
+
+template <class Message>
+bool decode_whole(Message& message, const void* data, std::size_t size_bytes) {
+  return size_bytes <= std::numeric_limits<std::int32_t>::max() &&
+         message.decode(data, 0, static_cast<int>(size_bytes)) == static_cast<int>(size_bytes);
+}
+
+/// Of `counters` as many as fit into size_bytes, at most `at_most`; if that is not all of them, those whose turn it is
+/// when this is message number `turn`, and one called "others" for the rest.
+std::vector<counter_t> encode(const Counters& counters, std::size_t at_most, std::size_t size_bytes, std::size_t turn);
+
+/// Walks over a list of counters behind its count; false if there are too many or a name is too long.
+bool skip_counters(WireReader& reader, std::int32_t at_most);
+
+Counters decode(const std::vector<counter_t>& messages);
+
+}  // namespace pilotfish::bus

@@ -1,0 +1,193 @@
+#include "status_codec.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoding.hpp"
+
+namespace pilotfish::bus {
+namespace {
+
+static_assert(static_cast<int>(BaseReport::State::waiting) == base_t::STATE_WAITING);
+static_assert(static_cast<int>(BaseReport::State::driving) == base_t::STATE_DRIVING);
+static_assert(static_cast<int>(BaseReport::State::stopped) == base_t::STATE_STOPPED);
+static_assert(static_cast<int>(BaseReport::State::fault) == base_t::STATE_FAULT);
+
+constexpr std::size_t kStageCounts = std::tuple_size_v<decltype(StageReport::counts)>;
+
+/// What the list of counters may take of a message that is complete but for them.
+template <class Message>
+std::size_t room_left(const Message& message) {
+  const auto taken = static_cast<std::size_t>(message.getEncodedSize());
+  return taken < kOneDatagramBytes ? kOneDatagramBytes - taken : 0;
+}
+
+stage_t encode(const StageReport& stage, FiniteOrZero& finite) {
+  stage_t message{};
+  message.name = stage.name.substr(0, kMaxStageName);
+  std::copy(stage.counts.begin(), stage.counts.end(), message.counts);
+  message.max_ms = finite(stage.max_ms);
+  return message;
+}
+
+bool is_sound_status(const void* data, std::size_t size_bytes) {
+  WireReader reader(data, size_bytes);
+  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 8 + 2;
+  // error_m to output; session to setpoint_run; trust to announcement; frame_rate_hz to configured_latency_s; two
+  // counts
+  constexpr std::size_t kBehindText = 3 * 8 + (4 * 8 + 1) + (4 * 8 + 2) + (3 * 8 + 1 + 8) + 2 * 8;
+  std::int32_t stages = 0;
+  if (!reader.skip(kBeforeText) || !reader.skip_string() || !reader.skip(kBehindText) || !reader.read(stages) ||
+      stages < 0 || stages > static_cast<std::int32_t>(kMaxStages))
+    return false;
+  for (std::int32_t i = 0; i < stages; ++i)
+    if (!reader.skip_string(kMaxStageName) || !reader.skip(kStageCounts * 4 + 8)) return false;
+  return skip_counters(reader, kMaxCounters) && reader.skip(kStatusRules * 4) && reader.at_end();
+}
+
+bool is_sound_base(const void* data, std::size_t size_bytes) {
+  WireReader reader(data, size_bytes);
+  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 4 * 8 + 2 * 8 + (1 + 2 * 8) + 2;
+  return reader.skip(kBeforeText) && reader.skip_string(kMaxBaseText) && skip_counters(reader, kMaxBaseCounters) &&
+         reader.at_end();
+}
+
+bool all_finite(const StatusReport& report) {
+  for (double value :
+       {report.error_m, report.error_change_m, report.output, report.setpoint.distance_m, report.setpoint.bearing_rad,
+        report.trust, report.leader_radial_mps, report.leader_tangential_mps, report.leader_turn_rate_radps,
+        report.frame_rate_hz, report.processing_ms, report.latency_s, report.configured_latency_s})
+    if (!std::isfinite(value)) return false;
+  return std::all_of(report.strengths.begin(), report.strengths.end(), [](double s) { return std::isfinite(s); }) &&
+         std::all_of(report.stages.begin(), report.stages.end(),
+                     [](const StageReport& stage) { return std::isfinite(stage.max_ms); });
+}
+
+}  // namespace
+
+status_t encode(const StatusReport& report, std::string_view& repaired, std::size_t turn) {
+  FiniteOrZero finite;
+  status_t message{};
+  message.utime = report.utime;
+  message.status = static_cast<std::int8_t>(report.status);
+  message.reason = static_cast<std::int8_t>(report.reason);
+  message.text = words(report.status, report.reason);
+  message.error_m = finite(report.error_m);
+  message.error_change_m = finite(report.error_change_m);
+  message.output = finite(report.output);
+  for (std::size_t i = 0; i < kStatusRules; ++i) message.strengths[i] = static_cast<float>(finite(report.strengths[i]));
+  message.session = report.session;
+  message.setpoint_counter = report.setpoint_counter;
+  message.setpoint_distance_m = finite(report.setpoint.distance_m);
+  message.setpoint_bearing_rad = finite(report.setpoint.bearing_rad);
+  message.setpoint_run = report.setpoint.run;
+  message.trust = finite(report.trust);
+  message.leader_radial_mps = finite(report.leader_radial_mps);
+  message.leader_tangential_mps = finite(report.leader_tangential_mps);
+  message.leader_turn_rate_radps = finite(report.leader_turn_rate_radps);
+  message.own_motion = report.own_motion;
+  message.announcement = report.announcement;
+  message.frame_rate_hz = finite(report.frame_rate_hz);
+  message.processing_ms = finite(report.processing_ms);
+  message.latency_s = finite(report.latency_s);
+  message.latency_from_exposure = report.latency_from_exposure;
+  message.configured_latency_s = finite(report.configured_latency_s);
+  message.missed_deadlines = report.missed_deadlines;
+  message.clock_epochs = report.clock_epochs;
+  const std::size_t stages = std::min(report.stages.size(), kMaxStages);
+  for (std::size_t i = 0; i < stages; ++i) message.stages.push_back(encode(report.stages[i], finite));
+  message.stage_count = static_cast<std::int32_t>(stages);
+  message.rejected = encode(report.rejected, kMaxCounters, room_left(message), turn);
+  message.rejected_count = static_cast<std::int32_t>(message.rejected.size());
+  if (finite.repaired) repaired = "status_not_finite";
+  return message;
+}
+
+base_t encode(const BaseReport& report, std::string_view& repaired, std::size_t turn) {
+  FiniteOrZero finite;
+  base_t message{};
+  message.utime = report.utime;
+  message.session = report.session;
+  message.counter = report.counter;
+  message.obeys = report.obeys;
+  message.linear_mps = finite(report.command.linear_mps);
+  message.angular_radps = finite(report.command.angular_radps);
+  const bool measured_finite = report.measured && is_finite(*report.measured);
+  message.measured = measured_finite;
+  message.measured_linear_mps = measured_finite ? report.measured->linear_mps : 0.0;
+  message.measured_angular_radps = measured_finite ? report.measured->angular_radps : 0.0;
+  message.stopped = report.stopped;
+  message.state = static_cast<std::int8_t>(report.state);
+  message.text = report.text.substr(0, kMaxBaseText);
+  message.rejected = encode(report.rejected, kMaxBaseCounters, room_left(message), turn);
+  message.rejected_count = static_cast<std::int32_t>(message.rejected.size());
+  if (finite.repaired || (report.measured && !measured_finite)) repaired = "base_not_finite";
+  return message;
+}
+
+Checked<StatusReport> decode_status(const void* data, std::size_t size_bytes) {
+  using Result = Checked<StatusReport>;
+  status_t message;
+  if (!is_sound_status(data, size_bytes) || !decode_whole(message, data, size_bytes))
+    return Result::reject("status_corrupt");
+  if (!is_known(message.status, message.reason)) return Result::reject("status_out_of_bounds");
+  StatusReport report;
+  report.utime = message.utime;
+  report.status = static_cast<Status>(message.status);
+  report.reason = static_cast<Reason>(message.reason);
+  report.error_m = message.error_m;
+  report.error_change_m = message.error_change_m;
+  report.output = message.output;
+  std::copy_n(message.strengths, kStatusRules, report.strengths.begin());
+  report.session = message.session;
+  report.setpoint_counter = message.setpoint_counter;
+  report.setpoint = {message.setpoint_distance_m, message.setpoint_bearing_rad, message.setpoint_run != 0};
+  report.trust = message.trust;
+  report.leader_radial_mps = message.leader_radial_mps;
+  report.leader_tangential_mps = message.leader_tangential_mps;
+  report.leader_turn_rate_radps = message.leader_turn_rate_radps;
+  report.own_motion = message.own_motion;
+  report.announcement = message.announcement;
+  report.frame_rate_hz = message.frame_rate_hz;
+  report.processing_ms = message.processing_ms;
+  report.latency_s = message.latency_s;
+  report.latency_from_exposure = message.latency_from_exposure != 0;
+  report.configured_latency_s = message.configured_latency_s;
+  report.missed_deadlines = message.missed_deadlines;
+  report.clock_epochs = message.clock_epochs;
+  for (const stage_t& stage : message.stages) {
+    StageReport& decoded = report.stages.emplace_back();
+    decoded.name = stage.name;
+    std::copy_n(stage.counts, kStageCounts, decoded.counts.begin());
+    decoded.max_ms = stage.max_ms;
+  }
+  report.rejected = decode(message.rejected);
+  if (!all_finite(report)) return Result::reject("status_not_finite");
+  return Result::accept(std::move(report));
+}
+
+Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes) {
+  using Result = Checked<BaseReport>;
+  base_t message;
+  if (!is_sound_base(data, size_bytes) || !decode_whole(message, data, size_bytes))
+    return Result::reject("base_corrupt");
+  BaseReport report;
+  report.utime = message.utime;
+  report.session = message.session;
+  report.counter = message.counter;
+  report.obeys = message.obeys;
+  report.command = {message.linear_mps, message.angular_radps};
+  const Twist measured{message.measured_linear_mps, message.measured_angular_radps};
+  if (!is_finite(report.command) || !is_finite(measured)) return Result::reject("base_not_finite");
+  if (!is_in_bounds(report.command) || !is_in_bounds(measured) || message.state < 0 ||
+      message.state > base_t::STATE_FAULT)
+    return Result::reject("base_out_of_bounds");
+  if (message.measured != 0) report.measured = measured;
+  report.stopped = message.stopped != 0;
+  report.state = static_cast<BaseReport::State>(message.state);
+  report.text = message.text;
+  report.rejected = decode(message.rejected);
+  return Result::accept(std::move(report));
+}
+
+}  // namespace pilotfish::bus
