@@ -212,7 +212,13 @@ class Loop {
 }  // namespace
 
 void base_loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus) {
-  Loop(config, base, driver, bus).run();
+  try {
+    Loop(config, base, driver, bus).run();
+  } catch (...) {
+    driver.drive({}, monotonic_now());
+    driver.drain();
+    throw;
+  }
 }
 
 }  // namespace pilotfish::apps
