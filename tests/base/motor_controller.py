@@ -8,6 +8,7 @@ import select
 import threading
 import time
 import tty
+from contextlib import suppress
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -114,7 +115,5 @@ class MotorController:
         if self.answers:
             left, right = (int(ticks) for ticks in self._ticks)
             answer = telemetry_line(set_point.sequence, int(now_s * 1e3) % 2**32, left, right, self.faults)
-            try:
+            with suppress(BlockingIOError):
                 os.write(self._master, self.chatter + answer)
-            except BlockingIOError:
-                pass

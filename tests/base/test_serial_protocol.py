@@ -1,4 +1,4 @@
-"""The text on the line to the motor controller. The controller's side is written here once more, from its description."""
+"""The text on the line to the motor controller, whose side is written here once more, from its description."""
 
 import random
 
