@@ -31,6 +31,9 @@ add_custom_target(pilotfish_lcmtypes_cpp DEPENDS ${cpp_headers})
 add_library(pilotfish_lcmtypes INTERFACE)
 target_include_directories(pilotfish_lcmtypes SYSTEM INTERFACE ${generated}/cpp)
 add_dependencies(pilotfish_lcmtypes pilotfish_lcmtypes_cpp)
+# liblcm reads and writes a double through a pointer to int64_t, which the language forbids: GCC 12 at -O2 then takes a field
+# that has just been decoded for the zero it was initialised with.
+target_compile_options(pilotfish_lcmtypes INTERFACE -fno-strict-aliasing)
 
 # --- Python: pilotfish.lcmtypes.bot_core.image_t, pilotfish.lcmtypes.pilotfish.command_t, ... -------------------------
 # The prefix keeps the wire's package `pilotfish` from colliding with ours; fingerprints do not depend on it.

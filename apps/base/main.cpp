@@ -1,5 +1,5 @@
-// pilotfish-base: owns the wheels. Reads the configuration, opens the line and the bus, hands both to the loop. Nothing is
-// opened before the configuration is known to be good.
+// pilotfish-base: owns the wheels. Reads the configuration, opens the line and the bus, hands both to the loop. Nothing
+// is opened before the configuration is known to be good.
 
 #include <spdlog/spdlog.h>
 

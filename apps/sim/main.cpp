@@ -54,6 +54,8 @@ void summarise(const Played& played, const sim::World& world) {
 
 int run(const SimOptions& options) {
   sim::World world(load(options));
+  std::optional<bus::Key> key;
+  if (!options.key_path.empty()) key = bus::load_key(options.key_path);
   std::ofstream csv;
   if (!options.record_path.empty()) {
     csv.open(options.record_path);
@@ -61,9 +63,9 @@ int run(const SimOptions& options) {
   }
   try {
     bus::Bus bus(options.lcm_url);
+    if (key) bus.set_key(*key);
     announce(world.scenario(), bus, options.real_time);
-    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr,
-                {options.announce, options.driven_by_base});
+    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr, {options.announce, options.driven_by_base});
     summarise(options.real_time ? stage.play_in_real_time() : stage.play_in_lockstep(), world);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());

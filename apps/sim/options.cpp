@@ -21,10 +21,10 @@ Examples
 
 Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --announce every leader's
 twist on NAME_MOTION; each robot that follows another is driven by what comes in on NAME_COMMAND. A setpoint in the
-scenario is sent on NAME_SETPOINT before the first picture.
+scenario is sent on NAME_SETPOINT until the coordinator's NAME_STATUS shows it; then comes the first picture.
 
 Ends with 0 when the scenario is over or on SIGINT/SIGTERM, 64 on a wrong command line, 69 if the bus or the recording
-cannot be opened, 70 if a coordinator does not answer, 78 on a bad scenario (the message names the key).)";
+cannot be opened, 70 if a coordinator does not answer, 78 on a bad scenario or key (the message says which).)";
 
 }  // namespace
 
@@ -41,10 +41,13 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   app.add_flag("--lockstep", lockstep, "wait for the answer to each picture: repeatable bit for bit (the default)")
       ->excludes(real_time);
   app.add_flag("--announce", options.announce, "robots that others follow say on NAME_MOTION how they move");
-  app.add_option("--drive-by", driven_by,
-                 "whom the wheels obey: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator (NAME_BASE)")
+  app.add_option(
+         "--drive-by", driven_by,
+         "whom the wheels obey: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator (NAME_BASE)")
       ->check(CLI::IsMember({"coordinator", "base"}))
       ->capture_default_str();
+  app.add_option("--key", options.key_path,
+                 "file with the coordinators' key (their key_file), if they have one; made by pilotfish key new");
   app.add_option("--record", options.record_path,
                  "CSV file for the truth and the commands, one row per robot and frame");
   app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(CLI::PositiveNumber);

@@ -9,6 +9,7 @@ struct SimOptions {
   std::string scenario_path;
   std::string lcm_url;
   std::string record_path;
+  std::string key_path;
   bool real_time = false;
   bool announce = false;
   bool driven_by_base = false;

@@ -9,6 +9,7 @@
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/sim/awaited_answers.hpp"
 #include "stop_signal.hpp"
+#include "tell_setpoints.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -17,7 +18,6 @@ constexpr double kResendAfter_s = 0.05;
 constexpr double kAnswerWithin_s = 10.0;  // after the first answer; a coordinator takes some tens of milliseconds
 constexpr double kProgressEvery_s = 2.0;
 constexpr double kWheelsWatchdog_s = 0.1;
-constexpr int kSetpointCopies = 3;  // in real time; one datagram may be lost
 
 double monotonic_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -73,11 +73,6 @@ void Stage::publish_motions(bool until_delivery) {
   }
 }
 
-void Stage::publish_setpoint(const std::string& robot) {
-  const sim::RobotSpec& spec = *world_.scenario().find(robot);
-  if (spec.setpoint) bus_.publish(robot, *spec.setpoint, world_.utime());
-}
-
 void Stage::publish_image(const std::string& robot, const Frame& frame) {
   bus_.publish_image(bus::channel(robot, "IMAGE"), frame);
 }
@@ -118,6 +113,7 @@ Played Stage::play_in_lockstep() {
       answers_[robot] = {report.command, std::string(to_string(report.status)), true};
     });
 
+  tell_setpoints(world_.scenario(), bus_, wait_s_);
   const int frames = world_.scenario().frame_count();
   while (played_.frames < frames && !stop_requested()) {
     world_.advance_to(exposure_s(played_.frames));
@@ -128,14 +124,12 @@ Played Stage::play_in_lockstep() {
       const std::optional<Frame> picture = expose(robot);
       if (!picture) continue;
       pictures[robot] = *picture;
-      if (played_.frames == 0) publish_setpoint(robot);
       publish_image(robot, *picture);
       awaited.sent(robot, picture->utime, monotonic_s());
     }
     while (!awaited.complete() && !stop_requested()) {
       bus_.handle(5);
       for (const std::string& robot : awaited.to_resend(monotonic_s())) {
-        if (played_.frames == 0) publish_setpoint(robot);  // either of the two may have been lost
         publish_image(robot, pictures.at(robot));
         ++played_.sent_again;
       }
@@ -168,7 +162,6 @@ void Stage::expose_all() {
   publish_poses();
   publish_motions(false);
   for (const std::string& robot : followers_) {
-    if (played_.frames < kSetpointCopies) publish_setpoint(robot);
     if (const std::optional<Frame> picture = expose(robot))
       under_way_.push_back({world_.time_s() + latency_s(robot), robot, *picture});
   }
@@ -221,6 +214,7 @@ Played Stage::play_in_real_time() {
   }
   if (driven_by_base_) obey_bases(start_s);
   wait_until_all_are_heard();
+  tell_setpoints(world_.scenario(), bus_, wait_s_);
 
   start_s = monotonic_s();
   const int frames = world_.scenario().frame_count();

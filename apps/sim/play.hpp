@@ -50,7 +50,6 @@ class Stage {
   /// How each leader moves now or, `until_delivery`, when the first picture that is exposed now reaches a follower: in
   /// lock-step that takes no time, and on a robot it does.
   void publish_motions(bool until_delivery);
-  void publish_setpoint(const std::string& robot);
   void publish_image(const std::string& robot, const Frame& frame);
   std::optional<Frame> expose(const std::string& robot);
   double latency_s(const std::string& robot) const;

@@ -40,6 +40,18 @@ class MissingPackageError(PilotfishError, ImportError):
     exit_code = 69
 
 
+class SilentRobotError(PilotfishError, RuntimeError):
+    """Nobody of that name is heard on the bus; the message says where and for how long."""
+
+    exit_code = 69
+
+
+class OperatorError(PilotfishError, RuntimeError):
+    """A coordinator that is heard, but does not do what it is asked; the message has its reason and its status."""
+
+    exit_code = 70
+
+
 class HarnessError(PilotfishError, RuntimeError):
     """A run that did not come about; the message has the command and the end of what the program said."""
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <vector>
 
 #include "encoding.hpp"
 #include "wire_reader.hpp"
@@ -9,12 +11,6 @@
 namespace pilotfish::bus {
 namespace {
 
-static_assert(static_cast<int>(Status::searching) == command_t::STATUS_SEARCHING);
-static_assert(static_cast<int>(Status::tracking) == command_t::STATUS_TRACKING);
-static_assert(static_cast<int>(Status::coasting) == command_t::STATUS_COASTING);
-static_assert(static_cast<int>(Status::lost) == command_t::STATUS_LOST);
-static_assert(static_cast<int>(Status::stopped) == command_t::STATUS_STOPPED);
-static_assert(static_cast<int>(Status::invalid_input) == command_t::STATUS_INVALID_INPUT);
 /// Finite also as the float it becomes on the wire.
 bool fits_float(double value) { return std::isfinite(static_cast<float>(value)); }
 
@@ -49,6 +45,15 @@ bool is_sound_command(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
   constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 4 * 8 + 2 * 8 + 3, kMac = 32;
   return reader.skip(kBeforeText) && reader.skip_string() && reader.skip(kMac) && reader.at_end();
+}
+
+/// Python's lcm sends a mac that nobody has set as no bytes at all.
+bool decode_without_mac(setpoint_t& message, const void* data, std::size_t size_bytes) {
+  const auto whole = static_cast<std::size_t>(message.getEncodedSize());
+  if (size_bytes != whole - sizeof(message.mac)) return false;
+  std::vector<std::uint8_t> padded(whole);
+  std::memcpy(padded.data(), data, size_bytes);
+  return decode_whole(message, padded.data(), padded.size());
 }
 
 }  // namespace
@@ -140,8 +145,7 @@ setpoint_t encode(const SetpointReport& report) {
 Checked<SetpointReport> decode_setpoint(const void* data, std::size_t size_bytes,
                                         const Authentication& authentication) {
   using Result = Checked<SetpointReport>;
-  setpoint_t message;
-  if (!decode_whole(message, data, size_bytes)) return Result::reject("setpoint_corrupt");
+  setpoint_t message{};
   // Nothing in a stop can be so wrong that the robot should go on.
   const auto refuse = [&message](std::string_view rejection) {
     SetpointReport bare_stop;
@@ -149,6 +153,9 @@ Checked<SetpointReport> decode_setpoint(const void* data, std::size_t size_bytes
     bare_stop.setpoint.run = false;
     return message.run == 0 ? Result::repair(bare_stop, rejection) : Result::reject(rejection);
   };
+  if (!decode_whole(message, data, size_bytes))
+    return decode_without_mac(message, data, size_bytes) ? refuse("setpoint_corrupt")
+                                                         : Result::reject("setpoint_corrupt");
   if (!authentication.is_right(data, size_bytes)) return refuse("setpoint_mac_wrong");
   const Setpoint setpoint{message.distance_m, message.bearing_rad, message.run != 0};
   if (!std::isfinite(setpoint.distance_m) || !std::isfinite(setpoint.bearing_rad)) return refuse("setpoint_not_finite");

@@ -56,7 +56,8 @@ std::string describe_base_config() {
          "## Top level\n\n| key | default | range | meaning |\n|---|---|---|---|\n"
          "| `name` | required | a name | the robot's name on the bus: letters, digits, underscores |\n"
          "| `driver` | dry_run | dry_run, simulator, serial:DEVICE | what turns the wheels |\n"
-         "| `key_file` | none | file | 64 hex digits that only their owner may read: commands, and setpoints that resume, must carry "
+         "| `key_file` | none | file | 64 hex digits that only their owner may read: commands, and setpoints that "
+         "resume, must carry "
          "a MAC made with this key |\n";
   describe<base::BaseConfig>(out);
   describe_section<base::DriveGeometry>(out, "wheels");

@@ -22,6 +22,7 @@ def valid_image(**changes):
 
 def valid_setpoint(**changes):
     message = setpoint_t()
+    message.mac = bytes(32)
     message.distance_m, message.bearing_rad, message.run = 1.0, 0.1, True
     for name, value in changes.items():
         setattr(message, name, value)
@@ -30,6 +31,7 @@ def valid_setpoint(**changes):
 
 def valid_command(**changes):
     message = command_t()
+    message.mac = bytes(32)
     message.linear_mps, message.angular_radps, message.text = 0.1, 0.2, "tracking"
     for name, value in changes.items():
         setattr(message, name, value)

@@ -21,7 +21,7 @@ def test_of_a_million_forged_or_replayed_messages_none_is_accepted():
     assert accepted == 0
     assert sum(counts.values()) == FORGERIES
     assert min(counts.values()) == FORGERIES / len(counts)  # every kind had its share
-    # The receiver is no wall: all that was genuine got through, one message in a thousand, in spite of the stops that bits
-    # flipped in `run` have made.
+    # The receiver is no wall: all that was genuine got through, one message in a thousand, in spite of the stops that
+    # bits flipped in `run` have made.
     assert genuine_accepted == genuine == FORGERIES / 1000
     assert stops > 0

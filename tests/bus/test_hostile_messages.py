@@ -250,7 +250,9 @@ def test_a_state_that_no_process_of_ours_can_be_in_is_refused(edge, channel, mes
     assert edge.refuses(channel, message.encode()) == kind
 
 
-@pytest.mark.parametrize(("channel", "valid", "at_most"), [("R1_STATUS", valid_status, 24), ("R1_BASE", valid_base, 16)])
+@pytest.mark.parametrize(
+    ("channel", "valid", "at_most"), [("R1_STATUS", valid_status, 24), ("R1_BASE", valid_base, 16)]
+)
 def test_a_list_of_counters_that_nobody_sends_is_refused(edge, channel, valid, at_most):
     edge.accepts(channel, valid(rejected=[counter("x")] * at_most).encode())
     edge.accepts(channel, valid(rejected=[counter("x" * 24)]).encode())

@@ -27,7 +27,7 @@ def key(tmp_path):
 
 
 def oracle_mac(channel, encoded):
-    """crypto_auth is HMAC-SHA-512 cut off after 32 bytes (RFC 4231 tests such a truncation, libsodium's manual says so)."""
+    """crypto_auth is HMAC-SHA-512 cut off after 32 bytes (libsodium's manual)."""
     signed = channel.encode() + b"\0" + encoded[:-32] + bytes(32)
     return hmac.new(bytes.fromhex(KEY_HEX), signed, hashlib.sha512).digest()[:32]
 
@@ -124,6 +124,17 @@ def test_a_stop_is_believed_from_anyone_but_nothing_else_in_it(edge, key, with_k
     assert (report.session, report.counter) == ((5, 6) if trusted else (0, 0))
     assert report.setpoint.distance_m == 1.0  # what it asks for, or a default: never NaN, never out of bounds
     assert sum(edge.link.bus.rejected.values()) == (0 if trusted else 1)  # and what is wrong with it is counted
+
+
+@pytest.mark.parametrize("with_key", [False, True])
+def test_a_stop_without_its_mac_as_pythons_lcm_sends_it_is_believed_and_nothing_else_is(edge, key, with_key):
+    if with_key:
+        edge.link.bus.set_key(key)
+    stop = valid_setpoint(run=False, session=5, counter=6, distance_m=2.0, mac=b"")
+    report = edge.accepts("R1_SETPOINT", stop.encode())
+    assert (report.session, report.counter, report.setpoint.run, report.setpoint.distance_m) == (0, 0, False, 1.0)
+    stop.run = True
+    assert edge.refuses("R1_SETPOINT", stop.encode()) == "setpoint_corrupt"
 
 
 def test_a_signed_stop_is_believed_in_all_it_says(edge, key):

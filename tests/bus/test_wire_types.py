@@ -18,12 +18,14 @@ FINGERPRINTS = {
     bot_core.image_t: "14739ffe13d5f5f0",
     bot_core.image_metadata_t: "9a4b634d0577fb8e",
     bot_core.pose_t: "2e16efb052b0105e",
-    types.command_t: "71709ee15ed54a31",
+    types.base_t: "3a34e46679e2fd3c",
+    types.command_t: "712de2d44349c122",
     types.counter_t: "85bf7873eaa98dd0",
     types.motion_t: "65420622915db3dd",
     types.observation_t: "a8773267d35ca428",
-    types.setpoint_t: "2e0a14ffa6c018f9",
-    types.status_t: "6e731e9ee4922afb",
+    types.setpoint_t: "3f6bae990fba7acc",
+    types.stage_t: "1deddd80d1432c03",
+    types.status_t: "9450862b7a6aa3b3",
     types.tag_sighting_t: "ef8d50b69ab4b284",
 }
 

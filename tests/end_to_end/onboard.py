@@ -51,7 +51,11 @@ class Onboard:
         self.bus.publish(f"{self.robot.upper()}_IMAGE", message.encode())
 
     def send_setpoint(self, distance_m: float, bearing_rad: float, run: bool) -> None:
+        """Names the session that the coordinator says with its commands, and a counter that rises: the wall clock."""
         message = setpoint_t()
+        message.session = self.commands[-1].session if self.commands else 0
+        message.utime = message.counter = time.time_ns() // 1000
+        message.mac = bytes(32)
         message.distance_m, message.bearing_rad, message.run = distance_m, bearing_rad, run
         self.bus.publish(f"{self.robot.upper()}_SETPOINT", message.encode())
 

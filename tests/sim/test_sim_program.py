@@ -10,8 +10,8 @@ import lcm
 import pytest
 import yaml
 
+from pilotfish import bus, sim
 from pilotfish import data as shipped
-from pilotfish import sim
 from pilotfish.core import Twist
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import SIM, find_executable
@@ -20,6 +20,9 @@ from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.bot_core.pose_t import pose_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
 from pilotfish.lcmtypes.pilotfish.setpoint_t import setpoint_t
+from pilotfish.lcmtypes.pilotfish.status_t import status_t
+from pilotfish.operating import new_key
+from played_coordinator import PlayedCoordinator as GatedCoordinator
 
 LINE = shipped.path("scenarios/line.yaml")
 WITHIN_S = 30.0
@@ -27,15 +30,20 @@ WITHIN_S = 30.0
 
 class PlayedCoordinator:
     """Answers every picture of robot1 with a command that depends on nothing but the picture's utime.
-    `ignore(utime, copy)` says which pictures it pretends not to have got."""
+    `ignore(utime, copy)` says which pictures it pretends not to have got, `deaf_to` how many setpoints it does not
+    obey. What it keeps and its session are in its status, all the time."""
 
-    def __init__(self, url, ignore=lambda utime, copy: False, heartbeat=False):
+    session = 2**62 + 1
+
+    def __init__(self, url, ignore=lambda utime, copy: False, heartbeat=False, deaf_to=0):
         self.bus = lcm.LCM(url)
         self.ignore = ignore
         self.heartbeat = heartbeat
         self.heard = []  # channels and utimes, in order
         self.pose_utimes = []
-        self.setpoints = []
+        self.setpoints = []  # messages, whatever they say
+        self.kept = setpoint_t()  # the last one obeyed
+        self.deaf_to = deaf_to
         self._stop = threading.Event()
         self.bus.subscribe("ROBOT1_IMAGE", self._image)
         self.bus.subscribe("ROBOT1_SETPOINT", self._setpoint)
@@ -58,6 +66,7 @@ class PlayedCoordinator:
             twist.angular_radps,
         )
         message.status = command_t.STATUS_TRACKING
+        message.session, message.mac = self.session, bytes(32)
         self.bus.publish("ROBOT1_COMMAND", message.encode())
 
     def _image(self, _, data):
@@ -70,11 +79,22 @@ class PlayedCoordinator:
     def _setpoint(self, _, data):
         message = setpoint_t.decode(data)
         self.heard.append(("setpoint", message.utime))
-        self.setpoints.append((message.distance_m, message.bearing_rad))
+        self.setpoints.append(message)
+        obeyed = message.session == self.session and message.counter > self.kept.counter
+        if obeyed and len(self.setpoints) > self.deaf_to:
+            self.kept = message
+
+    def _say_status(self):
+        message = status_t()
+        message.session, message.setpoint_counter = self.session, self.kept.counter
+        message.setpoint_distance_m, message.setpoint_bearing_rad = self.kept.distance_m, self.kept.bearing_rad
+        message.setpoint_run = self.kept.run
+        self.bus.publish("ROBOT1_STATUS", message.encode())
 
     def _run(self):
         while not self._stop.is_set():
             self.bus.handle_timeout(20)
+            self._say_status()
             if self.heartbeat:
                 self.send(0, Twist())
 
@@ -150,7 +170,50 @@ def test_a_run_in_lockstep_is_the_world_with_these_commands(tmp_path):
 def test_the_setpoint_of_the_scenario_comes_before_the_first_picture(tmp_path):
     _, coordinator, _ = play(tmp_path, "--duration-s", "0.2")
     assert coordinator.heard[0][0] == "setpoint"
-    assert coordinator.setpoints[0] == (1.1, pytest.approx(-0.174533, abs=1e-6))
+    kept = coordinator.kept
+    assert (kept.distance_m, kept.bearing_rad, kept.run) == (1.1, pytest.approx(-0.174533, abs=1e-6), True)
+
+
+@pytest.mark.parametrize("mode", ["--lockstep", "--realtime"])
+def test_no_picture_goes_out_before_the_coordinator_shows_the_setpoint(tmp_path, mode):
+    done, coordinator, _ = play(tmp_path, mode, "--duration-s", "0.2", heartbeat=True, deaf_to=3)
+    assert done.returncode == 0, done.stderr
+    before_the_first_picture = [what for what, _ in coordinator.heard].index("image")
+    assert before_the_first_picture >= 4
+    counters = [message.counter for message in coordinator.setpoints]
+    assert counters == sorted(set(counters))  # each copy rises, so that none looks like a replay
+
+
+def test_a_second_run_is_obeyed_by_the_same_coordinator(tmp_path):
+    url = private_lcm_url()
+    with PlayedCoordinator(url) as coordinator:
+        for _ in range(2):
+            command = sim_command(url, "--duration-s", "0.2", "--wait-s", "5")
+            done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=60, check=False)
+            assert done.returncode == 0, done.stderr
+    counters = [message.counter for message in coordinator.setpoints]
+    assert len(counters) >= 2
+    assert counters == sorted(set(counters))
+
+
+def test_a_coordinator_that_does_not_take_the_setpoint_is_named(tmp_path):
+    done, coordinator, _ = play(tmp_path, "--wait-s", "0.5", heartbeat=True, deaf_to=10**9)
+    assert done.returncode == 70
+    assert "robot1 does not show the setpoint it was sent" in done.stderr
+    assert coordinator.pictures() == []
+
+
+def test_with_a_key_the_simulator_and_the_coordinator_believe_each_other(tmp_path):
+    new_key(tmp_path / "key")
+    key = bus.load_key(str(tmp_path / "key"))
+    url = private_lcm_url()
+    for options, code in ((["--key", tmp_path / "key"], 0), ([], 70)):
+        with GatedCoordinator(url, key=key, answers_pictures=True) as robot:
+            command = sim_command(url, "--duration-s", "0.2", "--wait-s", "2" if code else "20", *options)
+            done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=60, check=False)
+            assert done.returncode == code, done.stderr
+            assert robot.setpoint.distance_m == (1.1 if code == 0 else 1.0)
+    assert "setpoint_mac_wrong" in done.stderr
 
 
 def test_poses_are_published_at_every_exposure(tmp_path):

@@ -1,4 +1,5 @@
-"""The command line: ``pilotfish experiment | render | plot | learn-body | tune | fuzzy | demo``."""
+"""The command line: ``pilotfish stop | resume | setpoint | key`` and ``experiment | render | plot | learn-body | tune |
+fuzzy | demo``."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ from pilotfish.cli.demo import demo
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.learn_body import learn_body
+from pilotfish.cli.operate import key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.tune import tune
@@ -23,8 +25,9 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (experiment, render, plot, learn_body, tune, demo):
+for command in (stop, resume, setpoint, experiment, render, plot, learn_body, tune, demo):
     app.command()(command)
+app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
 
 

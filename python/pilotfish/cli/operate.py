@@ -1,0 +1,106 @@
+"""``pilotfish stop | resume | setpoint | key``: what an operator says to a robot."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pilotfish.cli.console import console, friendly_errors
+
+if TYPE_CHECKING:
+    from pilotfish.bus import StatusReport
+    from pilotfish.operating import Operator
+
+RobotArgument = Annotated[str, typer.Argument(help="The robot's name on the bus, e.g. robot1.")]
+UrlOption = Annotated[str, typer.Option("--lcm-url", help="LCM bus. Default: $LCM_DEFAULT_URL, else this host alone.")]
+KeyOption = Annotated[
+    Path | None, typer.Option("--key", dir_okay=False, help="The coordinator's key_file, if it has one.")
+]
+WithinOption = Annotated[float, typer.Option("--within-s", min=0.1, max=3600.0, help="How long to try.")]
+
+
+def stop(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, within_s: WithinOption = 3.0) -> None:
+    """Stop a robot: it stands still until it is resumed. Works without a key, always.
+
+    Sends at once, several times, until the robot's status says that it has been told to stop; ends with 69 if no
+    coordinator is heard (the stops have been sent all the same).
+
+    \b
+    Example
+      pilotfish stop robot1
+    """
+    with friendly_errors():
+        operator = _operator(robot, lcm_url, key)
+        _say(operator, operator.stop(within_s))
+
+
+def resume(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, within_s: WithinOption = 3.0) -> None:
+    """End a stop: the robot drives again, and keeps what it kept before.
+
+    \b
+    Example
+      pilotfish resume robot1 --key robot1.key
+    """
+    with friendly_errors():
+        operator = _operator(robot, lcm_url, key)
+        _say(operator, operator.resume(within_s))
+
+
+def setpoint(
+    robot: RobotArgument,
+    distance_m: Annotated[float, typer.Option("--distance-m", help="d_p: distance to keep to the leader.")],
+    bearing_deg: Annotated[
+        float, typer.Option("--bearing-deg", help="theta_pd: where to keep the leader, positive: to the left.")
+    ] = 0.0,
+    lcm_url: UrlOption = "",
+    key: KeyOption = None,
+    within_s: WithinOption = 3.0,
+) -> None:
+    """Say what a robot is to keep. One that has been stopped stays stopped.
+
+    \b
+    Example
+      pilotfish setpoint robot1 --distance-m 1.1 --bearing-deg -10
+    """
+    with friendly_errors():
+        operator = _operator(robot, lcm_url, key)
+        bearing_rad = math.radians(bearing_deg)
+        _say(operator, operator.set_setpoint(distance_m=distance_m, bearing_rad=bearing_rad, within_s=within_s))
+
+
+key_app = typer.Typer(no_args_is_help=True, help="Keys that commands and setpoints are authenticated with.")
+
+
+@key_app.command("new")
+def key_new(
+    file: Annotated[Path, typer.Argument(dir_okay=False, help="Where to write it; must not be there yet.")],
+) -> None:
+    """Make a key: 64 hex digits at random, in a file that only its owner may read.
+
+    Copy it to every computer that may speak (coordinator, wheels, operators), and name it in key_file or --key.
+
+    \b
+    Example
+      pilotfish key new robot1.key
+    """
+    from pilotfish.operating import new_key
+
+    with friendly_errors():
+        new_key(file)
+        console.print(f"wrote {file}", soft_wrap=True, markup=False, highlight=False)
+
+
+def _operator(robot: str, lcm_url: str, key: Path | None) -> Operator:
+    from pilotfish.operating import Operator
+
+    return Operator(robot, lcm_url=lcm_url, key_file=key)
+
+
+def _say(operator: Operator, status: StatusReport) -> None:
+    from pilotfish.operating import describe
+
+    text = f"{operator.robot}: {describe(status)} (after {operator.sent} messages)"
+    console.print(text, soft_wrap=True, markup=False, highlight=False)

@@ -1,0 +1,186 @@
+"""What an operator says to a coordinator: stop, resume, keep this distance. Over LCM, and until its status shows it.
+
+Who may say what is in ``docs/operating-guide.md`` ("Who may speak"): a stop is believed from anyone; everything else
+has to name the coordinator's session, which its status says, and a counter that rises. Counters are microseconds of the
+wall clock here, so that they rise from one call to the next.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import secrets
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from pilotfish.bus import Bus, BusError, Key, SetpointReport, StatusReport, load_key
+from pilotfish.core import Setpoint
+from pilotfish.errors import ConfigError, OperatorError, SilentRobotError
+
+WITHIN_S = 3.0
+_SEND_EVERY_S = 0.05
+_STOPS_AT_LEAST = 3  # a datagram may be lost
+
+# What the counters of a status mean to whoever has just asked for something.
+_REFUSALS = {
+    "setpoint_mac_wrong": "its key is not yours (--key FILE: the coordinator's key_file)",
+    "setpoint_wrong_session": "it has started anew in between: try again",
+    "setpoint_replayed": "it has heard a higher counter: is the clock of another operator ahead?",
+    "setpoint_too_near": "the distance is below its stop distance (safety.stop_distance_m)",
+    "setpoint_out_of_bounds": "the distance or the bearing is out of bounds",
+    "setpoint_not_finite": "the distance or the bearing is no number",
+    "setpoint_corrupt": "it did not understand the message: is it of another version?",
+}
+
+
+def new_key(path: Path) -> None:
+    """Writes a key of random bytes that only its owner may read. Never over an old one."""
+    try:
+        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError as error:
+        raise ConfigError(
+            f"{path} is there already: a key that is in use must not be lost; remove it, if you mean it"
+        ) from error
+    with os.fdopen(descriptor, "w") as file:
+        file.write(secrets.token_hex(32) + "\n")
+
+
+class Operator:
+    """A connection to one robot's coordinator. Each request returns the status that shows it.
+
+    Raises SilentRobotError if no coordinator is heard, and OperatorError if one is, but does not do it.
+    """
+
+    def __init__(self, robot: str, *, lcm_url: str = "", key: Key | None = None, key_file: Path | None = None) -> None:
+        try:
+            if key_file is not None:
+                key = load_key(str(key_file))
+            self._bus = Bus(lcm_url)
+            self._bus.on_status(robot, self._heard)
+        except BusError as error:
+            raise SilentRobotError(str(error)) from error
+        except ValueError as error:
+            raise ConfigError(str(error)) from error
+        if key is not None:
+            self._bus.set_key(key)
+        self.robot = robot
+        self.status: StatusReport | None = None  # the last one heard
+        self.sent = 0  # messages, by the last request
+        self._statuses = 0
+        self._rejected: dict[str, int] = {}
+        self._counter = 0
+
+    def listen(self, within_s: float = WITHIN_S) -> StatusReport:
+        """The next status."""
+        heard = self._statuses
+        self._wait(lambda: self._statuses > heard, within_s)
+        if self._statuses == heard:
+            raise SilentRobotError(self._nobody(within_s))
+        return self._status()
+
+    def stop(self, within_s: float = WITHIN_S) -> StatusReport:
+        """Sends from the first moment, also to a coordinator that is not heard; at least three times."""
+        self.sent, heard = 0, self._statuses
+        shows_it = lambda: self._statuses > heard and not self._status().setpoint.run  # noqa: E731
+        give_up = time.monotonic() + within_s
+        while self.sent < _STOPS_AT_LEAST or (not shows_it() and time.monotonic() < give_up):
+            kept = self.status.setpoint if self.status else Setpoint()
+            self._send(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=False))
+            self._wait(shows_it, _SEND_EVERY_S if self.sent >= _STOPS_AT_LEAST else 0.01)
+        if self._statuses == heard:
+            raise SilentRobotError(f"{self.sent} stops were sent, and nobody has confirmed: {self._nobody(within_s)}")
+        if not shows_it():
+            raise OperatorError(f"{self.sent} stops were sent in {within_s:g} s, and {self._says()}")
+        return self._status()
+
+    def resume(self, within_s: float = WITHIN_S) -> StatusReport:
+        """Ends a stop; what was kept before is kept again."""
+        kept = self.listen(within_s).setpoint
+        return self._ask(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=True), within_s)
+
+    def set_setpoint(self, *, distance_m: float, bearing_rad: float, within_s: float = WITHIN_S) -> StatusReport:
+        """Says what to keep. A robot that has been stopped stays stopped."""
+        if not (math.isfinite(distance_m) and math.isfinite(bearing_rad)):
+            raise OperatorError("the distance and the bearing must be numbers")
+        running = self.listen(within_s).setpoint.run
+        return self._ask(Setpoint(distance_m=distance_m, bearing_rad=bearing_rad, run=running), within_s)
+
+    def _ask(self, setpoint: Setpoint, within_s: float) -> StatusReport:
+        before = self._status()
+        if before.session == 0:
+            raise OperatorError(f"the coordinator of {self.robot} does not say its session: is it of an older version?")
+        rejected_before, complete = dict(self._rejected), "others" not in self._rejected
+        self.sent, first = 0, None
+        values = _values(setpoint)
+        shows_it = lambda: first is not None and self._accepted(first) and _values(self._status().setpoint) == values  # noqa: E731
+        give_up = time.monotonic() + within_s
+        while not shows_it() and time.monotonic() < give_up:
+            # Somebody else spoke as well: to ask once more could end a stop.
+            if self._stopped_since(before) or (first is not None and self._accepted(first)):
+                raise OperatorError(f"{self.robot} has been told something else in between; {self._says()}")
+            counter = self._send(setpoint)
+            first = first or counter
+            self._wait(shows_it, _SEND_EVERY_S)
+        if shows_it():
+            return self._status()
+        risen = [n for n, count in self._rejected.items() if count > rejected_before.get(n, 0 if complete else count)]
+        reasons = [_REFUSALS[name] for name in risen if name in _REFUSALS]
+        if not reasons and not setpoint.run:  # as a stop it was believed
+            reasons = ["a robot that is stopped takes over only what it could keep (bounds, stop distance, key)"]
+        because = f"refused, because {'; '.join(reasons)}" if reasons else f"not confirmed within {within_s:g} s"
+        raise OperatorError(f"{because}; {self._says()}")
+
+    def _stopped_since(self, before: StatusReport) -> bool:
+        now = self._status()
+        return before.setpoint.run and not now.setpoint.run and now.session == before.session
+
+    def _accepted(self, counter: int) -> bool:
+        return self._status().setpoint_counter >= counter
+
+    def _send(self, setpoint: Setpoint) -> int:
+        session, last = (self.status.session, self.status.setpoint_counter) if self.status else (0, 0)
+        self._counter = max(time.time_ns() // 1000, self._counter + 1, last + 1)
+        report = SetpointReport(utime=time.time_ns() // 1000, session=session, counter=self._counter, setpoint=setpoint)
+        try:
+            self._bus.publish_setpoint(self.robot, report)
+        except ValueError as error:
+            raise OperatorError(str(error)) from error
+        self.sent += 1
+        return self._counter
+
+    def _heard(self, status: StatusReport) -> None:
+        if self.status is not None and status.session != self.status.session:
+            self._rejected.clear()
+        self.status = status
+        self._statuses += 1
+        self._rejected |= status.rejected
+
+    def _wait(self, condition: Callable[[], bool], timeout_s: float) -> None:
+        deadline = time.monotonic() + timeout_s
+        while not condition() and (left_s := deadline - time.monotonic()) > 0:
+            self._bus.handle(max(1, int(left_s * 1000)))
+
+    def _status(self) -> StatusReport:
+        assert self.status is not None
+        return self.status
+
+    def _nobody(self, within_s: float) -> str:
+        return (
+            f"no coordinator of {self.robot} is heard on {self._bus.url} within {within_s:g} s; "
+            "is pilotfish-coordinator running with that --name and --lcm-url?"
+        )
+
+    def _says(self) -> str:
+        return f"{self.robot} says: {describe(self._status())}"
+
+
+def describe(status: StatusReport) -> str:
+    """A status in one line: "tracking, keeps 1.10 m at -10.0 deg" """
+    why = f": {status.reason.text}" if status.reason.text else ""
+    kept = f"{status.setpoint.distance_m:.2f} m at {math.degrees(status.setpoint.bearing_rad):.1f} deg"
+    return f"{status.status.name}{why}, {'keeps' if status.setpoint.run else 'would keep'} {kept}"
+
+
+def _values(setpoint: Setpoint) -> Iterable[float]:
+    return setpoint.distance_m, setpoint.bearing_rad, setpoint.run
