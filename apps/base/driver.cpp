@@ -2,11 +2,11 @@
 
 #include <spdlog/spdlog.h>
 
-#include <array>
 #include <chrono>
 #include <thread>
 
 #include "last_words.hpp"
+#include "line_reader.hpp"
 #include "pilotfish/base/controller_link.hpp"
 #include "pilotfish/base/serial_protocol.hpp"
 #include "serial_port.hpp"
@@ -22,7 +22,8 @@ class PublishedDriver final : public Driver {
 };
 
 constexpr std::int64_t kTryAgain_us = 1'000'000;
-constexpr int kReadsAtOnce = 8;  // of 512 bytes: a controller that floods us must not keep the loop
+/// Shorter than this, a speed is mostly the rounding to whole ticks; counts that are passed over are in the next ones.
+constexpr std::uint32_t kMeasureOver_ms = 20;
 
 class SerialDriver final : public Driver {
  public:
@@ -54,17 +55,10 @@ class SerialDriver final : public Driver {
   void poll(MonotonicTime now) override {
     if (!port_ && now.us - lost_at_.us >= kTryAgain_us) try_again(now);
     if (!port_) return;
-    std::array<char, 512> buffer;
-    try {
-      for (int i = 0; i < kReadsAtOnce; ++i) {
-        const std::size_t size = port_->read(buffer.data(), buffer.size());
-        for (std::size_t k = 0; k < size; ++k)
-          if (const auto line = parser_.feed(buffer[k])) heard(*line);
-        if (size < buffer.size()) break;
-      }
-    } catch (const SerialError& error) {
-      lost(error.what(), now);
-    }
+    const LineReader::Taken taken = reader_->take();
+    for (const base::ControllerLine& line : taken.lines) heard(line);
+    rejected_ = taken.rejected;
+    if (!taken.lost.empty()) lost(taken.lost, now);
   }
 
   std::string trouble(MonotonicTime now) const override {
@@ -79,10 +73,9 @@ class SerialDriver final : public Driver {
 
   std::map<std::string, std::int64_t> counters() const override {
     std::map<std::string, std::int64_t> counters = counters_;
-    const base::ControllerParser::Rejected& rejected = parser_.rejected();
     for (const auto& [name, count] :
-         {std::pair{"line_checksum_wrong", rejected.checksum}, std::pair{"line_malformed", rejected.malformed},
-          std::pair{"line_too_long", rejected.too_long}, std::pair{"line_cut_short", rejected.cut_short},
+         {std::pair{"line_checksum_wrong", rejected_.checksum}, std::pair{"line_malformed", rejected_.malformed},
+          std::pair{"line_too_long", rejected_.too_long}, std::pair{"line_cut_short", rejected_.cut_short},
           std::pair{"odometry_jump", odometry_.jumps()}})
       if (count > 0) counters[name] = count;
     return counters;
@@ -95,12 +88,14 @@ class SerialDriver final : public Driver {
 
  private:
   void open() {
-    port_ = std::make_unique<SerialPort>(device_, config_.serial.baud);
+    port_ = std::make_shared<SerialPort>(device_, config_.serial.baud);
+    reader_ = std::make_unique<LineReader>(port_);
     last_words_to(port_->descriptor());
   }
 
   void lost(const std::string& why, MonotonicTime now) {
     last_words_to(-1);
+    reader_.reset();
     port_.reset();
     lost_at_ = now;
     why_lost_ = why;
@@ -118,7 +113,6 @@ class SerialDriver final : public Driver {
       return;
     }
     link_.reset();
-    parser_.reset();
     odometry_.forget();
     spdlog::info("{} is back", device_);
   }
@@ -128,6 +122,8 @@ class SerialDriver final : public Driver {
     if ((line.faults & base::kFaultWatchdog) != 0 && (faults_ & base::kFaultWatchdog) == 0)
       ++counters_["controller_watchdog"];
     faults_ = line.faults;
+    if (measured_ms_ && line.encoders.time_ms - *measured_ms_ < kMeasureOver_ms) return;
+    measured_ms_ = line.encoders.time_ms;
     if (const std::optional<Twist> twist = odometry_.update(line.encoders)) measured_ = {odometry_.pose(), *twist};
   }
 
@@ -135,11 +131,13 @@ class SerialDriver final : public Driver {
   base::BaseConfig config_;
   base::ControllerLink link_;
   base::WheelOdometry odometry_;
-  base::ControllerParser parser_;
-  std::unique_ptr<SerialPort> port_;
+  base::ControllerParser::Rejected rejected_;  ///< since the line was opened last
+  std::shared_ptr<SerialPort> port_;
+  std::unique_ptr<LineReader> reader_;
   MonotonicTime lost_at_;
   std::string why_lost_;
   std::uint16_t faults_ = 0;
+  std::optional<std::uint32_t> measured_ms_;  ///< the controller's clock at the last reading that was used
   std::optional<Measured> measured_;
   std::map<std::string, std::int64_t> counters_;
 };

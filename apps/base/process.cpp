@@ -20,7 +20,14 @@ namespace pilotfish::apps {
 namespace {
 
 constexpr int kPriority = 20;  // above every ordinary program, below the kernel's own interrupt threads (50)
+constexpr int kLogPriority = 1;
 constexpr std::size_t kLogLines = 1024;
+
+bool be_real_time(int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
+}
 
 }  // namespace
 
@@ -36,7 +43,9 @@ void open_standard_descriptors() {
 }
 
 void log_without_waiting(bool quiet) {
-  spdlog::init_thread_pool(kLogLines, 1);
+  // The queue has a lock. Its other holder must not wait for a core among a hundred busy programs while the loop waits
+  // for the lock: so it has a real-time priority too, the lowest.
+  spdlog::init_thread_pool(kLogLines, 1, [] { be_real_time(kLogPriority); });
   auto logger = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("pilotfish-base");
   logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
   logger->set_level(quiet ? spdlog::level::warn : spdlog::level::info);
@@ -45,10 +54,7 @@ void log_without_waiting(bool quiet) {
 
 std::string ask_for_real_time() {
   std::string refused;
-  sched_param parameters{};
-  parameters.sched_priority = kPriority;
-  if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
-    refused += std::string("no real-time priority (") + std::strerror(errno) + ")";
+  if (!be_real_time(kPriority)) refused += std::string("no real-time priority (") + std::strerror(errno) + ")";
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0)
     refused += std::string(refused.empty() ? "" : ", ") + "memory not locked (" + std::strerror(errno) + ")";
   return refused;

@@ -61,11 +61,18 @@ SerialPort::SerialPort(const std::string& device, int baud) {
 }
 
 SerialPort::~SerialPort() {
-  tcflush(descriptor_, TCIOFLUSH);  // else close() waits for a line that may be blocked
+  if (blocked_) tcflush(descriptor_, TCOFLUSH);  // else close() waits for what does not go out
   ::close(descriptor_);
 }
 
 SerialPort::Written SerialPort::write_newest(std::string_view line) {
+  blocked_ = true;
+  const Written written = write_or_flush(line);
+  blocked_ = written != Written::all;
+  return written;
+}
+
+SerialPort::Written SerialPort::write_or_flush(std::string_view line) {
   Written written = Written::all;
   int unsent_bytes = 0;
   if (ioctl(descriptor_, TIOCOUTQ, &unsent_bytes) == 0 && unsent_bytes > kMuchUnsent_bytes) {

@@ -31,7 +31,10 @@ class SerialPort {
   int descriptor() const noexcept { return descriptor_; }
 
  private:
+  Written write_or_flush(std::string_view line);
+
   int descriptor_ = -1;
+  bool blocked_ = false;  ///< the last line did not simply go out
 };
 
 }  // namespace pilotfish::apps

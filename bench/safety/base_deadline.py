@@ -11,11 +11,12 @@ import math
 import multiprocessing
 import os
 import random
+import select
 import signal
 import tempfile
 import time
-from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -45,113 +46,114 @@ KINDS = {"kill": Kind("SIGKILL", signal.SIGKILL), "stop": Kind("SIGSTOP", signal
 
 @dataclass
 class Deadline:
-    to_zero_ms: list[float] = field(default_factory=list)
+    """In milliseconds from the signal."""
+
+    line_ms: list[float] = field(default_factory=list)  # to the first zero on the serial line
+    bus_ms: list[float] = field(default_factory=list)  # to the first zero on NAME_BASE
     moved_after: int = 0  # lines that move the wheels behind the first zero
 
-    @property
-    def worst_ms(self) -> float:
-        return max(self.to_zero_ms)
 
-    def quantile(self, share: float) -> float:
-        ordered = sorted(self.to_zero_ms)
-        return ordered[min(math.ceil(share * len(ordered)), len(ordered)) - 1]
+def quantile(values: list[float], share: float) -> float:
+    ordered = sorted(values)
+    return ordered[min(math.ceil(share * len(ordered)), len(ordered)) - 1]
 
 
 def measure(kind: str, repetitions: int, *, busy_loops: int = 0) -> Deadline:
-    """Many times, with one pilotfish-base. Raises RuntimeError if the wheels cannot be made to turn."""
+    """Many times, with one pilotfish-base. Raises HarnessError if the wheels cannot be made to turn."""
     rng = random.Random(8)
     deadline = Deadline()
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        stack.callback(_as_the_system_has_it)
         line, url = SerialLine(), private_lcm_url()
         stack.callback(line.close)
         for _ in range(busy_loops):
-            stack.enter_context(_Busy())
-        base = stack.enter_context(Child(_command(kind, Path(folder), line.device, url), Path(folder), "base"))
-        session = _session_of_base(url, line, base)
-        _measure_in_real_time()
-        sender = stack.enter_context(_Sender(url, session))
+            stack.enter_context(_process(_work))
+        base = stack.enter_context(Child(_command(Path(folder), line.device, url), Path(folder), "base"))
+        stack.callback(_real_time, 0)
+        _real_time(10)
+        wheels = _Wheels(line, url, base)
+        wheels.wait(lambda: bool(wheels.session), "pilotfish-base did not speak")
+        sender = stack.enter_context(_process(_send, url, wheels.session))
         for _ in range(repetitions):
-            _turning(line, base)
-            _listen(line, rng.uniform(0.05, 0.15))
-            sent_s = time.monotonic()
-            sender.signal(KINDS[kind].signal)
-            zero_s = next(at_s for at_s, moves in line.read(PATIENCE_S) if not moves)
-            deadline.to_zero_ms.append(1e3 * (zero_s - sent_s))
-            deadline.moved_after += _listen(line, 0.06)
-            if kind == "kill":
-                sender.close()
-                sender = stack.enter_context(_Sender(url, session))
-            else:
-                sender.signal(signal.SIGCONT)
+            wheels.wait(lambda: wheels.moving, "the wheels do not turn")
+            wheels.watch(rng.uniform(0.05, 0.15))
+            sent_s = wheels.begin()
+            os.kill(sender.pid or 0, KINDS[kind].signal)
+            wheels.wait(lambda: wheels.line_zero_s > 0 and wheels.bus_zero_s > 0, "no zero")
+            deadline.line_ms.append(1e3 * (wheels.line_zero_s - sent_s))
+            deadline.bus_ms.append(1e3 * (wheels.bus_zero_s - sent_s))
+            wheels.watch(0.06)
+            deadline.moved_after += wheels.moved_after
+            sender.kill()  # one that was stopped, too: what it would send next belongs to nobody
+            sender = stack.enter_context(_process(_send, url, wheels.session))
     return deadline
 
 
-def _command(kind: str, folder: Path, device: str, url: str) -> list[str | Path]:
-    """The shipped configuration, but the next sender is obeyed sooner, which saves a quarter of an hour; and one that
-    was stopped may go on, however long the computer takes to let it."""
+class _Wheels:
+    """What they are told, on the line and as the base says it on the bus."""
+
+    def __init__(self, line: SerialLine, url: str, base: Child) -> None:
+        self.session = 0
+        self.moving = False
+        self._line, self._base = line, base
+        self._bus = lcm.LCM(url)
+        self._bus.subscribe("ROBOT1_BASE", self._heard)
+        self.begin()
+
+    def begin(self) -> float:
+        """From now on the first zeros are looked for."""
+        self.line_zero_s = self.bus_zero_s = 0.0
+        self.moved_after = 0
+        return time.monotonic()
+
+    def watch(self, seconds: float) -> None:
+        end_s = time.monotonic() + seconds
+        while (left_s := end_s - time.monotonic()) > 0:
+            select.select([self._line, self._bus.fileno()], [], [], left_s)
+            for at_s, moves in self._line.read():
+                self.moving = moves
+                if moves:
+                    self.moved_after += self.line_zero_s > 0
+                elif self.line_zero_s == 0:
+                    self.line_zero_s = at_s
+            self._bus.handle_timeout(0)
+
+    def wait(self, condition: Callable[[], bool], problem: str) -> None:
+        end_s = time.monotonic() + PATIENCE_S
+        while not condition():
+            self.watch(0.002)
+            if time.monotonic() > end_s:
+                raise self._base.error(problem)
+
+    def _heard(self, _: str, data: bytes) -> None:
+        message = base_t.decode(data)
+        self.session = message.session
+        if message.linear_mps == 0.0 and self.bus_zero_s == 0:
+            self.bus_zero_s = time.monotonic()
+
+
+def _command(folder: Path, device: str, url: str) -> list[str | Path]:
+    """The shipped configuration; but the next sender is obeyed sooner, which saves a quarter of an hour."""
     config = yaml.safe_load(data.path("config/base.yaml").read_text())
-    config["commands"]["takeover_s"] = 0.2 if kind == "kill" else 10.0
+    config["commands"]["takeover_s"] = 0.25
     file = folder / "base.yaml"
     file.write_text(yaml.safe_dump(config))
     return [find_executable(BASE), "--config", file, "--driver", f"serial:{device}", "--lcm-url", url]
 
 
-def _session_of_base(url: str, line: SerialLine, base: Child) -> int:
-    heard: list[int] = []
-    bus = lcm.LCM(url)
-    bus.subscribe("ROBOT1_BASE", lambda _, message: heard.append(base_t.decode(message).session))
-    _wait(lambda: bool(bus.handle_timeout(5) >= 0 and heard), line, base, "pilotfish-base did not speak")
-    return heard[-1]
-
-
-def _turning(line: SerialLine, base: Child) -> None:
-    _wait(lambda: any(moves for _, moves in line.read(0.01)), line, base, "the wheels do not turn")
-
-
-def _wait(condition: Callable[[], bool], line: SerialLine, base: Child, problem: str) -> None:
-    end_s = time.monotonic() + PATIENCE_S
-    while not condition():
-        _listen(line, 0.005)
-        if time.monotonic() > end_s:
-            raise base.error(problem)
-
-
-def _listen(line: SerialLine, seconds: float) -> int:
-    """How many lines moved the wheels in this time."""
-    end_s, moving = time.monotonic() + seconds, 0
-    while (left_s := end_s - time.monotonic()) > 0:
-        for _, moves in line.read(left_s):
-            moving += moves
-            if time.monotonic() >= end_s:
-                break
-    return moving
-
-
-class _Sender:
-    """A process that sends commands, as quickly begun as ended: a fork."""
-
-    def __init__(self, url: str, base_session: int) -> None:
-        self._process = multiprocessing.get_context("fork").Process(target=_send, args=(url, base_session), daemon=True)
-        self._process.start()
-
-    def __enter__(self) -> _Sender:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def signal(self, number: signal.Signals) -> None:
-        assert self._process.pid
-        os.kill(self._process.pid, number)
-
-    def close(self) -> None:
-        self._process.kill()
-        self._process.join()
+@contextmanager
+def _process(target: Callable[..., None], *arguments: object) -> Iterator[multiprocessing.process.BaseProcess]:
+    """As quickly begun as ended: a fork."""
+    process = multiprocessing.get_context("fork").Process(target=target, args=arguments, daemon=True)
+    process.start()
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.join()
 
 
 def _send(url: str, base_session: int) -> None:
-    _as_the_system_has_it()
+    _real_time(10)
     bus = lcm.LCM(url)
     message = command_t()
     message.mac = bytes(32)
@@ -165,29 +167,14 @@ def _send(url: str, base_session: int) -> None:
         time.sleep(max(next_s - time.monotonic(), 0.0))
 
 
-class _Busy:
-    """A process that does nothing but work."""
-
-    def __enter__(self) -> None:
-        self._process = multiprocessing.get_context("fork").Process(target=_work, daemon=True)
-        self._process.start()
-
-    def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.join()
-
-
 def _work() -> None:
+    """Nothing but work."""
     while True:
         pass
 
 
-def _measure_in_real_time() -> None:
-    """So that what is measured is the base and not how long this script waits for a core."""
+def _real_time(priority: int) -> None:
+    """What measures, and what sends as a coordinator's thread does, must not wait for a core: the base is measured."""
+    policy = os.SCHED_FIFO if priority else os.SCHED_OTHER
     with suppress(PermissionError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
-
-
-def _as_the_system_has_it() -> None:
-    with suppress(PermissionError):
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        os.sched_setscheduler(0, policy, os.sched_param(priority))

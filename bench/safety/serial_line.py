@@ -7,7 +7,6 @@ import re
 import select
 import time
 import tty
-from collections.abc import Iterator
 
 _LINE = re.compile(rb"\$PFW,(\d+),(-?\d+),(-?\d+)\*[0-9A-F]{2}\r\n")
 
@@ -35,17 +34,20 @@ class SerialLine:
         os.close(self._master)
         os.close(self._slave)
 
-    def read(self, patience_s: float) -> Iterator[tuple[float, bool]]:
-        """(when it was read [monotonic s], whether it moves the wheels), until nothing comes for patience_s."""
-        while select.select([self._master], [], [], patience_s)[0]:
-            now_s = time.monotonic()
-            self._pending += os.read(self._master, 4096)
-            end = 0
-            for line in _LINE.finditer(self._pending):
-                end = line.end()
-                self._answer(int(line[1]), now_s)
-                yield now_s, line[2] != b"0" or line[3] != b"0"
-            self._pending = self._pending[end:]
+    def fileno(self) -> int:
+        return self._master
+
+    def read(self) -> list[tuple[float, bool]]:
+        """What has come: when it was read [monotonic s], and whether it moves the wheels. Nothing if nothing has."""
+        if not select.select([self], [], [], 0.0)[0]:
+            return []
+        now_s = time.monotonic()
+        self._pending += os.read(self._master, 4096)
+        lines = list(_LINE.finditer(self._pending))
+        if lines:
+            self._pending = self._pending[lines[-1].end() :]
+            self._answer(int(lines[-1][1]), now_s)
+        return [(now_s, line[2] != b"0" or line[3] != b"0") for line in lines]
 
     def _answer(self, sequence: int, now_s: float) -> None:
         body = f"PFE,{sequence},{int(now_s * 1e3) % 2**32},0,0,0".encode()
