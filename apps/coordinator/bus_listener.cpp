@@ -52,7 +52,8 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
   if (!config_.image_channel.empty())
     bus_.on_encoded_image(config_.image_channel, [this](const bus::EncodedImage& image) {
       const std::int64_t age_us = config_.simulated ? 0 : known_age_us(image.utime, image.arrival);
-      inbox_->put(PendingFrame{image.arrival, [this, image, age_us] { return decode(image, age_us); }});
+      inbox_->put(PendingFrame{image.arrival, [this, image, age_us] { return decode(image, age_us); },
+                               image.is_jpeg ? image.message : nullptr});
     });
   if (config_.odometry)
     bus_.on_pose(config_.robot, [this](const bus::MotionReport& own) {

@@ -36,7 +36,7 @@ struct CameraReader::Shared {
       std::optional<Frame> frame = source ? source->next() : std::nullopt;
       const MonotonicTime at = monotonic_now();
       if (frame) {
-        inbox->put(PendingFrame{at, [frame = std::move(*frame)]() -> std::optional<Frame> { return frame; }});
+        inbox->put(PendingFrame{at, [frame = std::move(*frame)]() -> std::optional<Frame> { return frame; }, nullptr});
         continue;
       }
       if (source && !source->ended()) continue;  // no picture yet

@@ -46,7 +46,8 @@ HeldAnswer CommandSender::holds_at(MonotonicTime now, Reason reason) const {
   return held_.at(now, reason);
 }
 
-HeldAnswer CommandSender::send(HeldAnswer answer, std::int64_t image_utime, MonotonicTime now) {
+void CommandSender::send(const HeldAnswer& answer, std::int64_t image_utime, MonotonicTime now, MonotonicTime asked_at,
+                         Reason missing) {
   bus::CommandReport report;
   report.utime = image_utime;
   report.session = config_.session;
@@ -62,14 +63,14 @@ HeldAnswer CommandSender::send(HeldAnswer answer, std::int64_t image_utime, Mono
     if (!deadline_served_ && held_.holding && held_.until < now) ++counts_.missed_deadlines;
     deadline_served_ = true;
   }
-  return answer;
+  if (config_.record && !config_.simulated) config_.record(core_held_, asked_at, missing, answer, report.counter);
 }
 
 HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& held, std::int64_t image_utime) {
   const std::lock_guard lock(mutex_);
   if (finished_) return {result.status, result.reason, Twist{}};
   const MonotonicTime now = monotonic_now();
-  held_ = held;
+  held_ = core_held_ = held;
   image_utime_ = image_utime;
   HeldAnswer answer{result.status, result.reason, result.command};
   if (config_.simulated) {
@@ -87,7 +88,7 @@ HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& he
     answer = held_.at(now, Reason::frame_stale);  // looking took too long
   }
   last_answer_ = answer;
-  send(answer, image_utime, now);
+  send(answer, image_utime, now, now, answer.reason);
   next_beat_ = later(now, patience_us_);
   changed_.notify_one();  // what is due next may be due earlier than what the thread waits for
   return answer;
@@ -99,11 +100,12 @@ void CommandSender::answer_again(std::int64_t image_utime) {
   const MonotonicTime now = monotonic_now();
   HeldAnswer holds = holds_at(now, last_answer_.reason);
   if (holds.command == last_answer_.command && holds.status != Status::stopped) holds = last_answer_;
-  send(holds, image_utime, now);
+  send(holds, image_utime, now, now, holds.reason);
 }
 
 void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
   const std::lock_guard lock(mutex_);
+  core_held_ = held;
   held_.run = held.run;
   if (!held.run || !held.holding) held_.holding = false;
   stops_told_ = std::max(stops_told_, stops);
@@ -114,7 +116,7 @@ std::int64_t CommandSender::stop_heard() {
   ++stops_heard_;
   held_.holding = false;
   const MonotonicTime now = monotonic_now();
-  if (!finished_) send(holds_at(now, Reason::told_to_stop), image_utime_, now);
+  if (!finished_) send(holds_at(now, Reason::told_to_stop), image_utime_, now, now, Reason::told_to_stop);
   return stops_heard_;
 }
 
@@ -129,7 +131,8 @@ void CommandSender::rival_heard(MonotonicTime now) {
   const bool moving = held_.fresh_at(now) && !(held_.command == Twist{});
   rival_ = now;
   held_.holding = false;
-  if (moving && !finished_) send(holds_at(now, Reason::another_coordinator), image_utime_, now);
+  if (moving && !finished_)
+    send(holds_at(now, Reason::another_coordinator), image_utime_, now, now, Reason::another_coordinator);
 }
 
 void CommandSender::base_heard(std::int64_t base_session) {
@@ -142,7 +145,10 @@ void CommandSender::finish(Reason reason) {
   if (finished_) return;
   held_.holding = false;
   const HeldAnswer zeros{reason == Reason::told_to_stop ? Status::stopped : Status::invalid_input, reason, Twist{}};
-  for (int i = 0; i < kLastZeros; ++i) send(zeros, image_utime_, monotonic_now());
+  for (int i = 0; i < kLastZeros; ++i) {
+    const MonotonicTime now = monotonic_now();
+    send(zeros, image_utime_, now, now, reason);
+  }
   finished_ = true;
   changed_.notify_all();
 }
@@ -174,8 +180,8 @@ void CommandSender::run() {
       continue;
     }
     counts_.lateness.add(static_cast<double>(now.us - due_at.us) * 1e-6);
-    // Asked for the moment at which it is heard.
-    send(holds_at(later(now, kSendAhead_us), Reason::no_frame), image_utime_, now);
+    const MonotonicTime heard = later(now, kSendAhead_us);
+    send(holds_at(heard, Reason::no_frame), image_utime_, now, heard, Reason::no_frame);
     next_beat_ = later(now, period_us_);
   }
 }

@@ -13,11 +13,17 @@
 
 namespace pilotfish::apps {
 
+/// What was known when a command left, for the black box: what the core held, the instant that was asked for, what was
+/// missing.
+using SentRecord = std::function<void(const HeldCommand& held, MonotonicTime asked_at, Reason missing,
+                                      const HeldAnswer& sent, std::int64_t counter)>;
+
 struct SenderConfig {
   std::int64_t session = 0;
   double frame_rate_hz = 30.0;
   double max_age_s = 0.1;
   bool simulated = false;  ///< frames carry a simulated time
+  SentRecord record;       ///< may be empty
 };
 
 /// What the sender knows beyond the commands it was given.
@@ -65,7 +71,9 @@ class CommandSender {
 
  private:
   HeldAnswer holds_at(MonotonicTime now, Reason reason) const;
-  HeldAnswer send(HeldAnswer answer, std::int64_t image_utime, MonotonicTime now);
+  /// asked_at, missing: the question to held_ that `answer` answers.
+  void send(const HeldAnswer& answer, std::int64_t image_utime, MonotonicTime now, MonotonicTime asked_at,
+            Reason missing);
   MonotonicTime due() const;
   void run();
 
@@ -74,7 +82,8 @@ class CommandSender {
   const Publish publish_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  HeldCommand held_;  ///< its times are those of the monotonic clock, also where the frames' are simulated
+  HeldCommand held_;       ///< its times are those of the monotonic clock, also where the frames' are simulated
+  HeldCommand core_held_;  ///< the coordinator's own, for the record
   HeldAnswer last_answer_;
   std::int64_t image_utime_ = 0, base_session_ = 0;
   std::int64_t stops_heard_ = 0, stops_told_ = 0;

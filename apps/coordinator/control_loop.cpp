@@ -54,7 +54,10 @@ class Loop {
         if (!frame) return;
         look_at(*frame, monotonic_now());
       } else if (taken.frame) {
-        if (const std::optional<Frame> frame = taken.frame->decode()) look_at(*frame, taken.frame->at);
+        if (const std::optional<Frame> frame = taken.frame->decode()) {
+          if (parts_.black_box != nullptr) record_picture(*frame, *taken.frame);
+          look_at(*frame, taken.frame->at);
+        }
       } else if (taken.told.empty()) {
         reporter_.report(coordinator_.command_at(now()), timing_);  // the sender sends the command itself
       }
@@ -74,9 +77,12 @@ class Loop {
     last_utime_ = frame.utime;
     timing_.frame_rate_hz = rate_.arrived(arrival);
     const MonotonicTime begin = monotonic_now();
-    StepResult result = coordinator_.step(frame, config_.simulated ? clock_.at(frame.utime, arrival) : arrival);
+    const MonotonicTime now = config_.simulated ? clock_.at(frame.utime, arrival) : arrival;
+    StepResult result = coordinator_.step(frame, now);
     const MonotonicTime end = monotonic_now();
     timing_.processing_s = seconds_between(begin, end);
+    if (parts_.black_box != nullptr)
+      parts_.black_box->frame(frame.utime, frame.known_age_us, now, result, coordinator_);
     const HeldAnswer sent = parts_.sender.answer(result, coordinator_.held(), frame.utime);
     const MonotonicTime left = monotonic_now();
     reporter_.waited.add(seconds_between(arrival, begin));
@@ -91,8 +97,17 @@ class Loop {
     reporter_.print(result, timing_);
   }
 
+  /// Of a JPEG the bytes that were decoded, so that a replay can see again; of others a copy now and then, for people.
+  void record_picture(const Frame& frame, const PendingFrame& pending) const {
+    if (pending.jpeg_message == nullptr) return parts_.black_box->picture(frame);
+    parts_.black_box->message(bus::channel(config_.robot, "IMAGE"), pending.jpeg_message->data(),
+                              pending.jpeg_message->size());
+  }
+
   void hear(const ToldSetpoint& told) {
-    if (!coordinator_.set_setpoint(told.setpoint)) {
+    const bool taken = coordinator_.set_setpoint(told.setpoint);
+    if (parts_.black_box != nullptr) parts_.black_box->setpoint(told.setpoint, taken, coordinator_);
+    if (!taken) {
       ++reporter_.refused["setpoint_too_near"];
       return;
     }
@@ -123,6 +138,13 @@ class Loop {
   void hear(const ToldMotion& told) {
     const bool used = told.of_the_leader ? coordinator_.set_announced_motion(told.utime, told.twist)
                                          : coordinator_.set_own_motion(told.utime, told.twist);
+    if (parts_.black_box != nullptr) {
+      if (told.of_the_leader) {
+        parts_.black_box->announced_motion(told.utime, told.twist, used, coordinator_);
+      } else {
+        parts_.black_box->own_motion(told.utime, told.twist, used, coordinator_);
+      }
+    }
     if (!used) ++reporter_.refused[told.of_the_leader ? "announcement_unusable" : "own_motion_unusable"];
   }
 

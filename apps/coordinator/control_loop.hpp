@@ -8,6 +8,7 @@
 #include "command_sender.hpp"
 #include "inbox.hpp"
 #include "log.hpp"
+#include "pilotfish/blackbox/black_box.hpp"
 #include "pilotfish/bus/bus.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
 
@@ -35,7 +36,8 @@ struct LoopParts {
   Log& log;
   std::function<Counters()> refused;
   std::function<bool()> stop_requested;
-  std::function<void()> progress;  ///< called at every turn
+  std::function<void()> progress;           ///< called at every turn
+  blackbox::BlackBox* black_box = nullptr;  ///< may be none
 };
 
 /// Looks: takes the newest frame, steps the coordinator, hands the answer to the sender of commands, reports. It may

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <variant>
@@ -21,6 +22,8 @@ namespace pilotfish::apps {
 struct PendingFrame {
   MonotonicTime at;
   std::function<std::optional<Frame>()> decode;  ///< nothing: it was refused, and counted where that was noticed
+  /// The image_t, if the picture came as a JPEG: for the black box.
+  std::shared_ptr<const std::vector<std::uint8_t>> jpeg_message;
 };
 
 /// What the coordinator is told between frames, in the order in which it came.

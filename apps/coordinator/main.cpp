@@ -26,8 +26,10 @@
 #include "exit_codes.hpp"
 #include "log.hpp"
 #include "options.hpp"
+#include "pilotfish/blackbox/black_box.hpp"
 #include "pilotfish/bus/log_reader.hpp"
 #include "pilotfish/capture/frame_source.hpp"
+#include "pilotfish/config/bundle.hpp"
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
@@ -40,6 +42,8 @@
 namespace pilotfish::apps {
 namespace {
 
+config::ConfigOverrides overrides(const Options& options) { return {options.law, options.profile, options.tuning}; }
+
 config::CoordinatorFile load(const Options& options) {
   config::CoordinatorFile file = config::load_coordinator(options.config_path);
   if (options.name) file.name = *options.name;
@@ -49,11 +53,10 @@ config::CoordinatorFile load(const Options& options) {
   } catch (const std::invalid_argument& error) {
     throw ConfigError("source", error.what());
   }
-  if (options.tuning) config::load_tuning(*options.tuning, file.coordinator.control);
+  config::apply(overrides(options), file);
+  if (options.black_box) file.black_box.directory = *options.black_box;
   if (options.odometry) file.odometry = config::odometry_from(*options.odometry);
   if (options.announcements_from) file.announcements_from = config::announcements_from(*options.announcements_from);
-  if (options.law) file.coordinator.control.active_law = control::law_from(*options.law);
-  if (options.profile) file.coordinator.control.profile = control::profile_from(*options.profile);
   return file;
 }
 
@@ -162,10 +165,23 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                                   "; end it, or give this one another --name or --lcm-url");
   OpenedSource source = open_source(file, inbox);
 
+  std::unique_ptr<blackbox::BlackBox> black_box;
+  if (!file.black_box.directory.empty()) {
+    const config::ConfigBundle bundle = config::bundle_config(options.config_path, overrides(options));
+    black_box = std::make_unique<blackbox::BlackBox>(
+        file.black_box, blackbox::Start{file.name, session, options.command_line, bundle}, coordinator);
+  }
   bus::Bus commands(listening.url), reports(listening.url);
   if (key) {
     commands.set_key(*key);
     reports.set_key(*key);
+  }
+  if (black_box) {
+    const auto tap = [box = black_box.get()](const std::string& channel, const std::vector<std::uint8_t>& bytes) {
+      box->message(channel, bytes.data(), bytes.size());
+    };
+    commands.on_published(tap);
+    reports.on_published(tap);
   }
   // After these no command of this session counts any more.
   bus::CommandReport dying;
@@ -177,12 +193,18 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   set_last_words(last_words.get());
 
   lock_memory();
-  const SenderConfig sending{session, file.frame_rate_hz, file.coordinator.safety.max_age_s, simulated};
+  SenderConfig sending{session, file.frame_rate_hz, file.coordinator.safety.max_age_s, simulated, nullptr};
+  if (black_box)
+    sending.record = [box = black_box.get(), session](const HeldCommand& held, MonotonicTime asked_at, Reason missing,
+                                                      const HeldAnswer& sent, std::int64_t counter) {
+      box->sent(held, asked_at, missing, sent, session, counter);
+    };
   CommandSender sender(sending, [&](const bus::CommandReport& report) { commands.publish(file.name, report); });
   Supervisor supervisor(sender, *inbox);
   listener.start(sender, [&](const std::string& problem) { supervisor.fail("the bus: " + problem); });
 
   announce(file, listener.bus());
+  if (black_box) spdlog::info("black box: {} MB at most in {}", file.black_box.total_mb, file.black_box.directory);
   if (simulated) spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels will not obey");
   spdlog::info("ready: {}", source.description);
   const LoopConfig loop{file.name, session,      file.frame_rate_hz,
@@ -195,7 +217,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         log,
                         [&] { return listener.refused(); },
                         [&] { return supervisor.stop_requested(); },
-                        [&] { supervisor.looked(); }};
+                        [&] { supervisor.looked(); },
+                        black_box.get()};
   try {
     control_loop(loop, parts, coordinator);
   } catch (const std::exception& error) {

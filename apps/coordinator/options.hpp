@@ -22,6 +22,8 @@ struct Options {
   std::optional<std::string> tuning;
   std::optional<std::string> odometry;
   std::optional<std::string> announcements_from;
+  std::optional<std::string> black_box;
+  std::string command_line;  ///< as it was given
   std::string lcm_url;
   bool simulated_time = false;
   bool live = false;

@@ -12,6 +12,11 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
   if (const std::int64_t overtaken = parts_.inbox.overtaken()) counters["frames_overtaken"] = overtaken;
   if (const std::int64_t forgotten = parts_.inbox.forgotten()) counters["messages_forgotten"] = forgotten;
   if (const std::int64_t lost = parts_.log.lost()) counters["log_lines_lost"] = lost;
+  if (parts_.black_box != nullptr) {
+    const blackbox::Counters box = parts_.black_box->counters();
+    if (box.dropped > 0) counters["black_box_dropped"] = box.dropped;
+    if (box.lost > 0) counters["black_box_lost"] = box.lost;
+  }
   const SenderCounts sender = parts_.sender.counts();
   if (sender.rivals_heard > 0) counters["rival_commands"] = sender.rivals_heard;
 

@@ -66,7 +66,7 @@ int run(const SimOptions& options) {
     bus::Bus bus(options.lcm_url);
     if (key) bus.set_key(*key);
     announce(world.scenario(), bus, options.real_time);
-    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr, options.announce);
+    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr, {options.announce, options.driven_by_base});
     summarise(options.real_time ? stage.play_in_real_time() : stage.play_in_lockstep(), world);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());

@@ -20,6 +20,8 @@ Examples
       at the pace of the clock, to watch with pilotfish-spy or lcm-logger
   pilotfish-sim --scenario data/scenarios/star.yaml --lcm-url 'udpm://239.255.76.67:7700?ttl=0'
       on a bus of its own: another port, which the coordinators have to be told too
+  pilotfish-sim --scenario data/scenarios/line.yaml --realtime --drive-by base
+      the wheels obey pilotfish-base --driver simulator, which stands between them and the coordinator
 
 Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --announce every leader's
 twist on NAME_MOTION; each robot that follows another is driven by what comes in on NAME_COMMAND. A setpoint in the
@@ -47,6 +49,7 @@ constexpr double kLongest_s = 1e5;  // as Scenario::duration_s
 ParsedSimOptions parse_sim_options(int argc, char** argv) {
   SimOptions options;
   bool lockstep = false;
+  std::string driven_by = "coordinator";
   CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus."};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-sim ") + kVersion, "print the version and end");
@@ -57,6 +60,11 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   app.add_flag("--lockstep", lockstep, "wait for the answer to each picture: repeatable bit for bit (the default)")
       ->excludes(real_time);
   app.add_flag("--announce", options.announce, "robots that others follow say on NAME_MOTION how they move");
+  app.add_option(
+         "--drive-by", driven_by,
+         "whom the wheels obey: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator (NAME_BASE)")
+      ->check(CLI::IsMember({"coordinator", "base"}))
+      ->capture_default_str();
   app.add_option("--key", options.key_path,
                  "file with the coordinators' key (their key_file), if they have one; made by pilotfish key new");
   app.add_option("--record", options.record_path,
@@ -69,6 +77,9 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
       ->capture_default_str();
   try {
     app.parse(argc, argv);
+    options.driven_by_base = driven_by == "base";
+    if (options.driven_by_base && !options.real_time)
+      throw CLI::ValidationError("--drive-by base", "needs --realtime: a base answers to the clock, not to pictures");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return {options, code == 0 ? kOk : kUsage};

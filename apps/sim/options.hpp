@@ -12,6 +12,7 @@ struct SimOptions {
   std::string key_path;
   bool real_time = false;
   bool announce = false;
+  bool driven_by_base = false;
   std::optional<double> duration_s;
   std::optional<int> seed;
   double wait_s = 10.0;

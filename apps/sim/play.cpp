@@ -18,6 +18,7 @@ namespace {
 constexpr double kResendAfter_s = 0.05;
 constexpr double kAnswerWithin_s = 10.0;  // after the first answer; a coordinator takes some tens of milliseconds
 constexpr double kProgressEvery_s = 2.0;
+constexpr double kWheelsWatchdog_s = 0.1;
 
 double monotonic_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -38,8 +39,8 @@ NoAnswer no_answer(const std::vector<std::string>& robots, double waited_s, cons
 
 }  // namespace
 
-Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, bool announce)
-    : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv) {
+Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const StageConfig& config)
+    : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv), driven_by_base_(config.driven_by_base) {
   for (const sim::RobotSpec& robot : world_.scenario().robots)
     if (!robot.follows.empty()) followers_.push_back(robot.name);
   for (const std::string& robot : followers_) {
@@ -47,7 +48,7 @@ Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv,
     const auto [leader, is_new] = announcers_.emplace(world_.scenario().find(robot)->follows, latency_s(robot));
     if (!is_new) leader->second = std::min(leader->second, latency_s(robot));
   }
-  if (!announce) announcers_.clear();
+  if (!config.announce) announcers_.clear();
   if (csv_ != nullptr) sim::write_recording_header(*csv_);
   last_progress_s_ = monotonic_s();
 }
@@ -190,18 +191,42 @@ void Stage::deliver(double now_s) {
   under_way_.erase(std::remove_if(under_way_.begin(), under_way_.end(), due), under_way_.end());
 }
 
+void Stage::obey_bases(const double& start_s) {
+  for (const sim::RobotSpec& robot : world_.scenario().robots) {
+    if (robot.trajectory) continue;
+    bus_.on_base(robot.name, [this, &start_s, name = robot.name](const bus::BaseReport& report) {
+      if (start_s <= 0.0) return;
+      const double now_s = monotonic_s() - start_s;
+      world_.command(name, report.command, now_s);
+      told_s_[name] = now_s;
+    });
+  }
+}
+
+void Stage::stop_unattended_wheels(double now_s) {
+  for (auto told = told_s_.begin(); told != told_s_.end();) {
+    if (now_s - told->second > kWheelsWatchdog_s) {
+      world_.command(told->first, {}, now_s);
+      told = told_s_.erase(told);
+    } else {
+      ++told;
+    }
+  }
+}
+
 Played Stage::play_in_real_time() {
   double start_s = 0.0;  // of the world, on the monotonic clock; 0: not yet
   for (const sim::RobotSpec& robot : world_.scenario().robots) {
     if (robot.trajectory) continue;
     bus_.on_command(robot.name, [this, &start_s, name = robot.name](const bus::CommandReport& report) {
-      if (start_s > 0.0) world_.command(name, report.command, monotonic_s() - start_s);
+      if (start_s > 0.0 && !driven_by_base_) world_.command(name, report.command, monotonic_s() - start_s);
       const auto found = answers_.find(name);
       if (found == answers_.end()) return;
       found->second.command = report.command;
       found->second.status = std::string(to_string(report.status));
     });
   }
+  if (driven_by_base_) obey_bases(start_s);
   wait_until_all_are_heard();
   tell_setpoints(world_.scenario(), bus_, wait_s_);
 
@@ -221,10 +246,11 @@ Played Stage::play_in_real_time() {
       now_s = monotonic_s() - start_s;
     }
     deliver(now_s);
+    stop_unattended_wheels(now_s);
     double wake_s = next < frames ? exposure_s(next) : now_s;
     for (const UnderWay& picture : under_way_)
       wake_s = next < frames ? std::min(wake_s, picture.due_s) : std::max(wake_s, picture.due_s);
-    bus_.handle(std::clamp(static_cast<int>((wake_s - now_s) * 1e3), 0, 100));
+    bus_.handle(std::clamp(static_cast<int>((wake_s - now_s) * 1e3), 0, told_s_.empty() ? 100 : 20));
   }
   played_.stopped = stop_requested();
   return played_;

@@ -29,11 +29,16 @@ struct Played {
   bool stopped = false;  ///< by a signal
 };
 
+struct StageConfig {
+  bool announce = false;        ///< leaders say how they move
+  bool driven_by_base = false;  ///< wheels listen to NAME_BASE instead of NAME_COMMAND; in real time only
+};
+
 /// A world on the bus. One of the two play functions is called once.
 class Stage {
  public:
-  /// `csv` may be nullptr; else it outlives the stage. `announce`: leaders say how they move.
-  Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, bool announce);
+  /// `csv` may be nullptr; else it outlives the stage.
+  Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const StageConfig& config);
 
   /// Exposure by exposure: pictures out, wait for the command that answers each (its utime is the picture's),
   /// let it act one latency after the exposure, go on. Throws NoAnswer.
@@ -50,6 +55,9 @@ class Stage {
   std::optional<Frame> expose(const std::string& robot);
   double latency_s(const std::string& robot) const;
   void wait_until_all_are_heard();
+  void obey_bases(const double& start_s);
+  /// As a motor controller does: wheels of which nobody has said anything for 100 ms stand still.
+  void stop_unattended_wheels(double now_s);
   void expose_all();
   void deliver(double now_s);
   void record();
@@ -61,6 +69,8 @@ class Stage {
   bus::Bus& bus_;
   double wait_s_;
   std::ostream* csv_;
+  bool driven_by_base_;
+  std::map<std::string, double> told_s_;  ///< when a base last told a robot's wheels something; world's time
   std::vector<std::string> followers_;
   std::map<std::string, double> announcers_;  ///< leaders who say how they move, and their followers' least latency [s]
   struct UnderWay {                           // a picture between its exposure and its delivery

@@ -58,6 +58,7 @@ struct Bus::Connection {
   std::string url;
   int receive_buffer_bytes = 0;
   std::optional<Key> key;
+  std::function<void(const std::string&, const std::vector<std::uint8_t>&)> published;  ///< may be empty
   std::size_t turn = 0;  ///< of the counters in a state message
   std::map<std::string, std::int64_t> rejected;
   std::multimap<std::string, Decoder> decoders;  ///< by channel
@@ -87,6 +88,7 @@ struct Bus::Connection {
     const std::vector<std::uint8_t> bytes = encoded(name, message);
     if (bytes.empty() || lcm_publish(lcm.get(), name.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
       count("publish_failed");
+    if (published) published(name, bytes);
   }
 
   template <class Value>
@@ -186,6 +188,10 @@ int Bus::receive_buffer_bytes() const { return connection_->receive_buffer_bytes
 const std::map<std::string, std::int64_t>& Bus::rejected() const { return connection_->rejected; }
 void Bus::set_key(const Key& key) { connection_->key = key; }
 
+void Bus::on_published(std::function<void(const std::string&, const std::vector<std::uint8_t>&)> tap) {
+  connection_->published = std::move(tap);
+}
+
 void Bus::publish(const std::string& robot, const CommandReport& report) {
   std::string_view repaired;
   const command_t message = encode(report, repaired);
@@ -255,12 +261,14 @@ void Bus::on_image(const std::string& channel, std::function<void(Frame)> handle
 
 void Bus::on_encoded_image(const std::string& channel, std::function<void(EncodedImage)> handler) {
   check_channel_name(channel);
-  connection_->listen(
-      channel, true, [bus = connection_.get(), handler = std::move(handler)](const WireMessage& message) {
-        const auto header = read_image_header(message.payload->data(), message.payload->size());
-        if (!header.value) return bus->count(header.rejection);
-        handler({header.value->utime, header.value->width, header.value->height, message.arrival, message.payload});
-      });
+  connection_->listen(channel, true,
+                      [bus = connection_.get(), handler = std::move(handler)](const WireMessage& message) {
+                        const auto header = read_image_header(message.payload->data(), message.payload->size());
+                        if (!header.value) return bus->count(header.rejection);
+                        const bool is_jpeg = header.value->pixelformat == bot_core::image_t::PIXEL_FORMAT_MJPEG;
+                        handler({header.value->utime, header.value->width, header.value->height, is_jpeg,
+                                 message.arrival, message.payload});
+                      });
 }
 
 void Bus::on_setpoint(const std::string& robot, std::function<void(SetpointReport)> handler) {

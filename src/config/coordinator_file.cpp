@@ -1,9 +1,8 @@
-#include <algorithm>
-#include <cctype>
 #include <sstream>
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/yaml_section.hpp"
+#include "robot_name.hpp"
 
 namespace pilotfish::config {
 namespace {
@@ -15,15 +14,6 @@ void read_section(YamlSection& parent, const std::string& key, Config&... config
   YamlSection section = parent.section(key);
   (section.read(configs), ...);
   section.finish();
-}
-
-/// A channel is made of the robot's name, so it must be one word.
-bool is_name(const std::string& name) {
-  const auto is_word_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  return !name.empty() && name.size() <= 32 && std::all_of(name.begin(), name.end(), is_word_letter);
-}
-std::string not_a_name(const std::string& name) {
-  return "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores";
 }
 
 void read_camera(YamlSection root, CoordinatorConfig& config) {

@@ -21,8 +21,9 @@ MAY_INCLUDE = {
     "capture": {"core", "jpeg"},
     "bus": {"core", "jpeg"},
     "sim": {"core"},
-    "config": {"core", "fuzzy", "vision", "control", "coordinator", "sim"},
+    "config": {"core", "fuzzy", "vision", "control", "coordinator", "sim", "base"},
     "blackbox": {"core", "coordinator", "config", "jpeg"},
+    "base": {"core"},
 }
 
 

@@ -47,6 +47,9 @@ class Bus {
   /// is authenticated.
   void set_key(const Key& key);
 
+  /// Called with every message that was published, as it went out: for recordings. From the thread that publishes.
+  void on_published(std::function<void(const std::string& channel, const std::vector<std::uint8_t>&)> tap);
+
   /// Published numbers are always finite: what is not is replaced (a command by zeros) and counted in
   /// rejected(). Only names and setpoints that cannot be right throw (ConfigError).
   void publish(const std::string& robot, const CommandReport& report);

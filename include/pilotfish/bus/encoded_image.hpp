@@ -17,6 +17,7 @@ struct EncodedImage {
   std::int64_t utime = 0;
   int width = 0;
   int height = 0;
+  bool is_jpeg = false;
   MonotonicTime arrival;                                     ///< when its first byte reached this host
   std::shared_ptr<const std::vector<std::uint8_t>> message;  ///< bot_core.image_t
 };

@@ -12,6 +12,7 @@ from pathlib import Path
 from pilotfish.errors import ExecutableNotFoundError
 
 COORDINATOR = "pilotfish-coordinator"
+BASE = "pilotfish-base"
 SIM = "pilotfish-sim"
 
 

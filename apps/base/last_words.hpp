@@ -1,0 +1,18 @@
+#pragma once
+
+namespace pilotfish::apps {
+
+/// What ends this process without asking tells the wheels zero first: a signal of a broken program (SIGSEGV, SIGABRT
+/// and their kin) and std::terminate write a prepared line to the serial line, then the process dies as it would have.
+/// Of SIGKILL nobody hears; there the controller's own watchdog stops the wheels.
+void prepare_last_words();
+
+/// The serial line's descriptor; -1: there is none.
+void last_words_to(int descriptor) noexcept;
+
+/// SIGINT, SIGTERM, SIGHUP (a lost terminal), SIGQUIT, SIGUSR1, SIGUSR2: end in order. They raise the flag of
+/// base_stop_requested(); SIGPIPE is ignored.
+void catch_every_stop_signal();
+bool base_stop_requested() noexcept;
+
+}  // namespace pilotfish::apps

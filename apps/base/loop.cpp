@@ -1,0 +1,229 @@
+#include "loop.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "last_words.hpp"
+#include "pilotfish/core/monotonic.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+/// Another base of this name sends 20 times a second or more. Who begins while it runs hears it in this time.
+constexpr std::int64_t kListenFirst_us = 300'000;
+/// Two that begin together hear each other a little later.
+constexpr std::int64_t kYoung_us = 3'000'000;
+/// Not more lines to the wheels than this, whatever comes in; zeros excepted.
+constexpr std::int64_t kBetweenLines_us = 4'000;
+constexpr std::int64_t kBetweenLogs_us = 200'000;
+constexpr std::int64_t kBetweenRefusalLogs_us = 5'000'000;
+
+std::int64_t wall_utime() {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+bus::BaseReport::State on_the_wire(base::BaseState state) {
+  switch (state) {
+    case base::BaseState::waiting: return bus::BaseReport::State::waiting;
+    case base::BaseState::driving: return bus::BaseReport::State::driving;
+    case base::BaseState::stopped: return bus::BaseReport::State::stopped;
+    case base::BaseState::fault: break;
+  }
+  return bus::BaseReport::State::fault;
+}
+
+class Loop {
+ public:
+  Loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus, ServiceNotify& service)
+      : config_(config),
+        base_(base),
+        driver_(driver),
+        bus_(bus),
+        service_(service),
+        period_us_(static_cast<std::int64_t>(1e6 / config.rate_hz)),
+        started_(monotonic_now()) {
+    bus_.on_base(config_.robot, [this](const bus::BaseReport& report) { hear(report); });
+    bus_.on_command(config_.robot, [this](const bus::CommandReport& report) { hear(report); });
+    bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& report) { hear(report); });
+  }
+
+  void run() {
+    const MonotonicTime begin{started_.us + kListenFirst_us};
+    while (!base_stop_requested()) {
+      wait();
+      const MonotonicTime now = monotonic_now();
+      if (another_) throw AnotherBase("another pilotfish-base is running for " + config_.robot + " on " + bus_.url());
+      driver_.poll(now);
+      if (!publish_ && begin <= now) service_.ready("owns the wheels of " + config_.robot);
+      publish_ = begin <= now;
+      step(now);
+      service_.progress(now);
+    }
+    service_.stopping();
+    end();
+  }
+
+ private:
+  void hear(const bus::BaseReport& report) {
+    if (report.session == base_.session()) return;
+    ++foreign_bases_;
+    const std::int64_t age_us = monotonic_now().us - started_.us;
+    // Of two that begin together, the one with the smaller number stays.
+    if (age_us < kListenFirst_us || (age_us < kYoung_us && report.session < base_.session())) another_ = true;
+  }
+  void hear(const bus::CommandReport& report) {
+    const base::CommandHeard command{report.session, report.counter, report.base_session, report.command,
+                                     report.simulated};
+    const MonotonicTime now = monotonic_now();
+    if (base_.hear(command, bus_.arrival(), now) == base::CommandVerdict::obeyed) fresh_ = true;
+  }
+  void hear(const bus::SetpointReport& report) {
+    const base::SetpointHeard setpoint{report.session, report.counter, report.setpoint.run};
+    const base::LatchVerdict verdict = base_.hear(setpoint, monotonic_now());
+    if (verdict == base::LatchVerdict::resumed) spdlog::info("resumed by session {:x}", report.session);
+  }
+
+  /// Until a message comes, the next period begins, or the last good command gets too old.
+  void wait() {
+    std::int64_t until_us = next_period_.us;
+    if (const auto deadline = base_.deadline()) until_us = std::min(until_us, deadline->us);
+    const std::int64_t left_us = until_us - monotonic_now().us;
+    if (left_us > 0 && left_us < 1000) {  // the bus counts in whole milliseconds
+      const timespec rest{0, static_cast<long>(left_us) * 1000};
+      nanosleep(&rest, nullptr);
+    }
+    bus_.handle(static_cast<int>(std::max<std::int64_t>(left_us / 1000, 0)));
+  }
+
+  void step(MonotonicTime now) {
+    if (driver_.emergency_stop()) base_.hear(base::SetpointHeard{0, 0, false}, now);
+    const std::string trouble = driver_.trouble(now);
+    base_.driver_works(trouble.empty());
+    const base::BaseOutput output = base_.step(now);
+    const bool changed = output.state != last_.state || output.obeys != last_.obeys ||
+                         (output.told == Twist{} && !(last_told_ == Twist{}));
+    const bool due = next_period_ <= now;
+    if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) tell(output, now);
+    if (const auto measured = driver_.take_measured()) hear(*measured);
+    if (due || changed) report(output, trouble);
+    if (changed) log(output, trouble, now);
+    log_refusals(now);
+    last_ = output;
+    if (due) next_period_ = {std::max(next_period_.us + period_us_, now.us)};
+  }
+
+  void tell(const base::BaseOutput& output, MonotonicTime now) {
+    driver_.drive(output.told, now);
+    last_told_ = output.told;
+    last_line_ = now;
+    fresh_ = false;
+  }
+
+  void hear(const Measured& measured) {
+    measured_ = measured.twist;
+    if (!publish_) return;
+    bus_.publish(config_.robot, bus::PoseReport{wall_utime(), measured.pose.x_m, measured.pose.y_m,
+                                                measured.pose.heading_rad, measured.twist});
+  }
+
+  void report(const base::BaseOutput& output, const std::string& trouble) {
+    if (!publish_) return;
+    bus::BaseReport report;
+    report.utime = wall_utime();
+    report.session = base_.session();
+    report.counter = ++counter_;
+    report.obeys = output.obeys;
+    report.command = output.told;
+    report.measured = std::exchange(measured_, std::nullopt);
+    report.stopped = base_.stopped();
+    report.state = on_the_wire(output.state);
+    report.text = std::string(to_string(output.state)) + (trouble.empty() ? "" : ": " + trouble);
+    report.rejected = refusals();
+    bus_.publish(config_.robot, report);
+  }
+
+  bus::Counters refusals() const {
+    bus::Counters counters = base_.rejected();
+    for (const auto& [name, count] : bus_.rejected()) counters[name] += count;
+    for (const auto& [name, count] : driver_.counters()) counters[name] += count;
+    if (foreign_bases_ > 0) counters["another_base"] = foreign_bases_;
+    return counters;
+  }
+
+  /// A state that flaps must not fill a disk.
+  void log(const base::BaseOutput& output, const std::string& trouble, MonotonicTime now) {
+    if (output.state == logged_state_ && output.obeys == logged_obeys_) return;
+    if (now.us - logged_.us < kBetweenLogs_us) return;
+    logged_ = now;
+    logged_state_ = output.state;
+    logged_obeys_ = output.obeys;
+    if (!trouble.empty()) {
+      spdlog::error("{}: {}", to_string(output.state), trouble);
+    } else if (output.obeys != 0) {
+      spdlog::info("{}, obeying session {:x}", to_string(output.state), output.obeys);
+    } else {
+      spdlog::info("{}, obeying nobody", to_string(output.state));
+    }
+  }
+
+  void log_refusals(MonotonicTime now) {
+    if (now.us - refusals_logged_.us < kBetweenRefusalLogs_us) return;
+    refusals_logged_ = now;
+    const bus::Counters counters = refusals();
+    if (counters == logged_refusals_) return;
+    std::string text;
+    for (const auto& [name, count] : counters) text += " " + name + " " + std::to_string(count);
+    spdlog::warn("refused or lost so far:{}", text);
+    logged_refusals_ = counters;
+  }
+
+  /// Zeros are the last thing the wheels hear; three times, because a line or a datagram may be lost.
+  void end() {
+    publish_ = true;
+    const base::BaseOutput zeros{base::BaseState::waiting, {}, 0};
+    for (int i = 0; i < 3; ++i) {
+      driver_.drive({}, monotonic_now());
+      report(zeros, "this process has ended");
+      driver_.drain();
+    }
+  }
+
+  const BaseLoopConfig config_;
+  base::Base& base_;
+  Driver& driver_;
+  bus::Bus& bus_;
+  ServiceNotify& service_;
+  const std::int64_t period_us_;
+  const MonotonicTime started_;
+  MonotonicTime next_period_;
+  MonotonicTime last_line_;
+  bool publish_ = false;  ///< not before it is known that nobody else does
+  bool another_ = false;
+  bool fresh_ = false;  ///< a good command has come since the last line
+  std::int64_t counter_ = 0, foreign_bases_ = 0;
+  base::BaseOutput last_;
+  Twist last_told_;
+  std::optional<Twist> measured_;
+  MonotonicTime logged_, refusals_logged_;
+  std::optional<base::BaseState> logged_state_;
+  std::int64_t logged_obeys_ = 0;
+  bus::Counters logged_refusals_;
+};
+
+}  // namespace
+
+void base_loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus, ServiceNotify& service) {
+  try {
+    Loop(config, base, driver, bus, service).run();
+  } catch (...) {
+    driver.drive({}, monotonic_now());
+    driver.drain();
+    throw;
+  }
+}
+
+}  // namespace pilotfish::apps

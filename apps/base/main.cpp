@@ -1,0 +1,106 @@
+// pilotfish-base: owns the wheels. Reads the configuration, opens the line and the bus, hands both to the loop. Nothing
+// is opened before the configuration is known to be good.
+
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+
+#include "driver.hpp"
+#include "exit_codes.hpp"
+#include "last_words.hpp"
+#include "loop.hpp"
+#include "options.hpp"
+#include "pilotfish/bus/key.hpp"
+#include "pilotfish/config/base_file.hpp"
+#include "process.hpp"
+#include "serial_port.hpp"
+#include "service_notify.hpp"
+#include "standard_streams.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+using Kind = config::WheelDriver::Kind;
+
+int fail(int code, const std::string& problem) {
+  spdlog::critical("{}", problem);
+  return code;
+}
+
+config::BaseFile load(const BaseOptions& options) {
+  config::BaseFile file = config::load_base(options.config_path);
+  if (options.name) file.name = *options.name;
+  if (options.driver) file.driver = config::driver_from(*options.driver);
+  bus::channel(file.name, "BASE");  // throws, before anything is opened, if that is no name
+  return file;
+}
+
+/// Prints what will be used, so that a log shows what drove the robot.
+void announce(const config::BaseFile& file, const bus::Bus& bus, const std::string& not_permitted) {
+  const base::BaseConfig& config = file.base;
+  const std::string driver = file.driver.kind == Kind::serial      ? "serial line " + file.driver.device
+                             : file.driver.kind == Kind::simulator ? "simulator"
+                                                                   : "dry run: nothing moves";
+  spdlog::info("wheels of {}: {}; r = {:.4f} m, {:.3f} m apart", file.name, driver, config.wheels.wheel_radius_m,
+               config.wheels.track_width_m);
+  spdlog::info("limits {:.2f} m/s, {:.2f} m/s2, {:.2f} rad/s; zero {:.0f} ms after the last good command",
+               config.limits.max_linear_mps, config.limits.max_linear_acceleration_mps2,
+               config.limits.max_angular_radps, config.commands.max_command_age_s * 1e3);
+  if (file.key_file.empty()) spdlog::warn("no key_file: whoever reaches the bus can command the wheels");
+  if (!not_permitted.empty()) spdlog::warn("{}: on a busy computer the deadline may be missed", not_permitted);
+  spdlog::info("bus {}", bus.url());
+}
+
+int run(const BaseOptions& options) {
+  const config::BaseFile file = load(options);
+  std::optional<bus::Key> key;
+  if (!file.key_file.empty()) key = bus::load_key(file.key_file);
+  base::Base base(file.base, bus::new_session_id(), file.driver.kind != Kind::serial);
+  const std::string not_permitted = ask_for_real_time();
+  try {
+    const std::unique_ptr<Driver> driver =
+        file.driver.kind == Kind::serial ? serial_driver(file.driver.device, file.base) : published_driver();
+    bus::Bus bus(options.lcm_url);
+    if (key) bus.set_key(*key);
+    announce(file, bus, not_permitted);
+    ServiceNotify service(service_environment());
+    base_loop({file.name, file.base.rate_hz}, base, *driver, bus, service);
+  } catch (const bus::BusError& error) {
+    return fail(kUnavailable, error.what());
+  } catch (const SerialError& error) {
+    return fail(kUnavailable, error.what());
+  } catch (const AnotherBase& error) {
+    return fail(kUnavailable, error.what());
+  }
+  spdlog::info("ended; the wheels were told zero");
+  return kOk;
+}
+
+int guarded(const BaseOptions& options) {
+  try {
+    return run(options);
+  } catch (const ConfigError& error) {
+    return fail(kConfig, std::string("bad configuration: ") + error.what());
+  } catch (const std::exception& error) {
+    return fail(kSoftware, error.what());
+  }
+}
+
+}  // namespace
+}  // namespace pilotfish::apps
+
+int main(int argc, char** argv) {
+  using namespace pilotfish;
+  using namespace pilotfish::apps;
+  fill_missing_standard_streams();
+  const ParsedBaseOptions parsed = parse_base_options(argc, argv);
+  if (parsed.exit_code) return *parsed.exit_code;
+  if (parsed.options.describe_config) {
+    std::cout << config::describe_base_config();
+    return kOk;
+  }
+  catch_every_stop_signal();
+  prepare_last_words();
+  log_without_waiting(parsed.options.quiet);
+  end_process(guarded(parsed.options));
+}

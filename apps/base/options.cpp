@@ -1,0 +1,53 @@
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "exit_codes.hpp"
+#include "version.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+constexpr const char* kExamples = R"(
+It obeys one sender of NAME_COMMAND, clamps speed, turn rate and acceleration once more, and tells the wheels zero by itself
+95 ms after the last good command. A stop (a setpoint_t on NAME_SETPOINT with run = false) is believed from anyone and
+lasts until the sender's session is resumed. What it does goes out on NAME_BASE, wheel odometry on NAME_POSE.
+
+Examples
+  pilotfish-base --config base.yaml
+      what the wheels would be told, on NAME_BASE: nothing moves
+  pilotfish-base --config base.yaml --driver serial:/dev/ttyUSB0
+      the robot; what the controller must understand: docs/base-serial-protocol.md
+  pilotfish-base --config base.yaml --driver simulator
+      between a coordinator and  pilotfish-sim --realtime --drive-by base
+
+Ends with 0 on SIGINT, SIGTERM and their kin, after telling the wheels zero; 64 on a wrong command line, 69 if the bus or the
+serial line cannot be opened or another base of this name is running, 70 if it gave up, 78 on a bad configuration (the message
+names the key). The keys of the configuration: pilotfish-base --describe-config)";
+
+}  // namespace
+
+ParsedBaseOptions parse_base_options(int argc, char** argv) {
+  BaseOptions options;
+  CLI::App app{"Owns the wheels: obeys one coordinator, and stops them when that is gone."};
+  app.footer(kExamples);
+  app.set_version_flag("--version", std::string("pilotfish-base ") + kVersion, "print the version and end");
+  auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/base.yaml");
+  app.add_option("--driver", options.driver,
+                 "what turns the wheels: dry_run, simulator or serial:DEVICE; instead of the configuration's");
+  app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");
+  app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
+  app.add_flag("--quiet", options.quiet, "log warnings only");
+  app.add_flag("--describe-config", options.describe_config,
+               "print every key of the configuration as Markdown and end");
+  try {
+    app.parse(argc, argv);
+    if (!options.describe_config && config->count() == 0) throw CLI::RequiredError("--config");
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return {options, code == 0 ? kOk : kUsage};
+  }
+  return {options, std::nullopt};
+}
+
+}  // namespace pilotfish::apps

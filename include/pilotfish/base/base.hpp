@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pilotfish/base/command_guard.hpp"
+#include "pilotfish/base/diff_drive.hpp"
+#include "pilotfish/base/stop_latch.hpp"
+#include "pilotfish/base/wheel_limits.hpp"
+#include "pilotfish/core/parameter.hpp"
+
+namespace pilotfish::base {
+
+/// What a serial line's speed can be [baud].
+inline constexpr int kBauds[] = {9600,   19200,  38400,  57600,   115200,  230400,
+                                 460800, 500000, 921600, 1000000, 2000000, 4000000};
+
+struct SerialConfig {
+  int baud = 115200;
+  double timeout_s = 0.25;
+  static const std::vector<Parameter<SerialConfig>>& parameters();
+};
+
+struct BaseConfig {
+  double rate_hz = 50.0;
+  bool start_stopped = false;
+  DriveGeometry wheels;
+  WheelLimitsConfig limits;
+  CommandGuardConfig commands;
+  SerialConfig serial;
+  static const std::vector<Parameter<BaseConfig>>& parameters();
+};
+
+/// What the wheels' process is doing; base_t's STATE_ numbers.
+enum class BaseState { waiting, driving, stopped, fault };
+std::string_view to_string(BaseState state) noexcept;
+
+/// What the wheels are to be told, and why.
+struct BaseOutput {
+  BaseState state = BaseState::waiting;
+  Twist told;              ///< behind every limit; zero unless `driving`
+  std::int64_t obeys = 0;  ///< 0: nobody
+};
+
+/// Everything that decides what the wheels are told, without a clock, a bus or a line:
+///
+///   told = limit(command) if the driver works, no stop is latched and a good command is young enough; else zero, at
+///   once.
+///
+/// Ask step() at every period, with every message, and at deadline().
+class Base {
+ public:
+  /// `own_session`: drawn at random, never 0. `simulated_allowed`: these are no real wheels.
+  Base(const BaseConfig& config, std::int64_t own_session, bool simulated_allowed);
+
+  /// Throws ConfigError; call while loading.
+  static void check(const BaseConfig& config);
+
+  CommandVerdict hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept;
+  LatchVerdict hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept;
+  /// The driver can or cannot be reached.
+  void driver_works(bool works) noexcept { driver_works_ = works; }
+
+  BaseOutput step(MonotonicTime now) noexcept;
+  /// When step() must be asked again at the latest, because a command gets too old.
+  std::optional<MonotonicTime> deadline() const noexcept { return guard_.deadline(); }
+
+  bool stopped() const noexcept { return latch_.stopped(); }
+  std::int64_t session() const noexcept { return own_session_; }
+  /// What was refused, by name; only what there was.
+  std::map<std::string, std::int64_t> rejected() const;
+
+ private:
+  BaseConfig config_;
+  std::int64_t own_session_;
+  CommandGuard guard_;
+  StopLatch latch_;
+  bool driver_works_ = true;
+  Twist told_;
+  std::optional<MonotonicTime> told_at_;
+  std::array<std::int64_t, kCommandVerdicts> refused_commands_{};
+  std::int64_t refused_other_session_ = 0, refused_replayed_ = 0;
+};
+
+}  // namespace pilotfish::base

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/core/monotonic.hpp"
+#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::base {
+
+/// A command as it came off the bus, where its mac has been checked.
+struct CommandHeard {
+  std::int64_t session = 0;
+  std::int64_t counter = 0;
+  std::int64_t base_session = 0;  ///< of the wheels' process that the sender has heard
+  Twist twist;
+  bool simulated = false;
+};
+
+/// What became of a command. Only `obeyed` can move anything.
+enum class CommandVerdict {
+  obeyed,
+  malformed,           ///< no session, or a number that is not finite
+  base_session_wrong,  ///< meant for another run of this process: a recording, or a sender that has not heard us yet
+  simulated,           ///< of a simulator's or a recording's time, and these are real wheels
+  replayed,            ///< a counter of this session that is not higher than all before
+  stale,               ///< waited too long between its arrival and now
+  after_gap,           ///< this process was not running just now, so nobody knows when the command arrived
+  session_ended,       ///< of a sender that was obeyed once and fell silent
+  foreign,             ///< another sender is obeyed
+  sessions_full,       ///< more senders than can be remembered: no new one is obeyed
+};
+inline constexpr int kCommandVerdicts = 10;
+/// "command_replayed", ...: at most 24 letters; "command_obeyed" is counted by nobody.
+std::string_view to_string(CommandVerdict verdict) noexcept;
+
+struct CommandGuardConfig {
+  double max_command_age_s = 0.095;
+  double takeover_s = 0.5;
+  static const std::vector<Parameter<CommandGuardConfig>>& parameters();
+};
+
+/// Whom the wheels obey: one sender, commands it has just sent, each once.
+///
+/// A sender is a session. The first one whose command passes every check is obeyed until it has been silent for
+/// takeover_s; then its session has ended for good, and the next may begin. Of every session the highest counter is
+/// remembered, obeyed or not, so no recording of this run can be played to it either; recordings of earlier runs name
+/// another base_session.
+class CommandGuard {
+ public:
+  /// `own_session`: of this process, never 0. `simulated_allowed`: the wheels are not real.
+  CommandGuard(const CommandGuardConfig& config, std::int64_t own_session, bool simulated_allowed);
+
+  /// `arrived`: when it reached this host, as far as that is known; not after `now`.
+  CommandVerdict hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept;
+
+  /// What is to be done at `now`: the last good command, for max_command_age_s after its arrival. Nothing afterwards.
+  std::optional<Twist> command_at(MonotonicTime now) noexcept;
+  /// When command_at() ends, if nothing else arrives; nothing if it has ended.
+  std::optional<MonotonicTime> deadline() const noexcept;
+  /// The session that is obeyed at `now`; 0: nobody's.
+  std::int64_t obeys(MonotonicTime now) noexcept;
+
+  static constexpr std::size_t kSessions = 1024;
+
+ private:
+  struct Sender {
+    std::int64_t session = 0;
+    std::int64_t highest_counter = 0;
+    bool ended = false;
+  };
+  Sender* find(std::int64_t session) noexcept;
+  void advance(MonotonicTime now) noexcept;
+
+  CommandGuardConfig config_;
+  std::int64_t own_session_;
+  bool simulated_allowed_;
+  BoundedVector<Sender, kSessions> senders_;
+  std::int64_t obeyed_ = 0;
+  MonotonicTime last_arrival_;  ///< of a good command of the obeyed sender
+  MonotonicTime last_heard_;    ///< of the obeyed sender, in time or not
+  MonotonicTime last_now_;      ///< of the last call of anything
+  MonotonicTime gap_until_;     ///< after a pause of this process
+  std::optional<Twist> command_;
+};
+
+}  // namespace pilotfish::base

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "pilotfish/base/diff_drive.hpp"
+
+namespace pilotfish::base {
+
+// The text on the line to the motor controller; docs/base-serial-protocol.md is its description for those who write the
+// other end. One line is
+//
+//   $TYPE,field,...*HH<CR><LF>       HH: CRC-8 (polynomial 0x07, start 0) of what is between $ and *, two hex digits
+//
+// Whatever comes after a $ is a new line, finished or not, so that a line cut short costs itself and nothing else.
+
+/// Longest line that either side sends or believes, from $ to the checksum.
+inline constexpr std::size_t kMaxLine = 80;
+/// Set-points are whole milliradians per second; more than this is never sent.
+inline constexpr std::int32_t kMaxWheel_mradps = 1'000'000;
+
+std::uint8_t crc8(std::string_view text) noexcept;
+
+/// A line ready to be written: "$PFW,<sequence>,<left>,<right>*HH\r\n", speeds in mrad/s, positive: forwards.
+class SetPointLine {
+ public:
+  SetPointLine(std::uint16_t sequence, const WheelSpeeds& speeds) noexcept;  ///< what is not finite is sent as zero
+  std::string_view text() const noexcept { return {text_.data(), size_}; }
+
+ private:
+  std::array<char, kMaxLine + 8> text_{};
+  std::size_t size_ = 0;
+};
+
+/// Bits of ControllerLine::faults.
+enum Fault : std::uint16_t {
+  kFaultWatchdog = 1,     ///< it had no good line for 100 ms and has set the wheels to zero: not a fault of the motors
+  kFaultMotor = 2,        ///< a motor driver reports an error
+  kFaultOvercurrent = 4,  ///< a motor draws too much
+  kFaultEncoder = 8,      ///< an encoder does not count
+  kFaultSupply = 16,      ///< the supply is too low
+  kFaultEmergencyStop = 32,  ///< the emergency stop is pressed
+};
+/// In words, for people: "motor, emergency stop". Bits without a name come as a number.
+std::string_view first_fault(std::uint16_t faults) noexcept;
+
+/// "$PFE,<sequence>,<ms>,<left>,<right>,<faults>*HH": what the controller says of the wheels.
+struct ControllerLine {
+  std::uint16_t sequence = 0;  ///< of the last good set-point line
+  EncoderReading encoders;
+  std::uint16_t faults = 0;
+};
+
+/// Bytes in, lines out. Never believes a length, never asks for memory.
+class ControllerParser {
+ public:
+  struct Rejected {
+    std::int64_t checksum = 0;   ///< no or a wrong checksum
+    std::int64_t malformed = 0;  ///< a right checksum around something that is no line of ours
+    std::int64_t too_long = 0;   ///< no end in sight
+    std::int64_t cut_short = 0;  ///< a new line began before the end
+  };
+
+  /// One byte; the line that it completes.
+  std::optional<ControllerLine> feed(char byte) noexcept;
+  /// What was half received is forgotten (the line was opened anew).
+  void reset() noexcept;
+  const Rejected& rejected() const noexcept { return rejected_; }
+
+ private:
+  std::optional<ControllerLine> complete() noexcept;
+
+  std::array<char, kMaxLine> line_{};
+  std::size_t size_ = 0;
+  bool inside_ = false;  ///< a $ has come and not its end
+  Rejected rejected_;
+};
+
+}  // namespace pilotfish::base

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pilotfish/base/base.hpp"
+
+namespace pilotfish::config {
+
+/// What turns the wheels.
+struct WheelDriver {
+  enum class Kind {
+    dry_run,    ///< nothing: what the wheels would be told is only published
+    simulator,  ///< pilotfish-sim, which listens to NAME_BASE
+    serial,     ///< a motor controller on a serial line
+  };
+  Kind kind = Kind::dry_run;
+  std::string device;  ///< of serial, e.g. /dev/ttyUSB0
+};
+/// "dry_run", "simulator" or "serial:/dev/ttyUSB0". Throws ConfigError (key "driver") listing them.
+WheelDriver driver_from(const std::string& text);
+
+/// What `pilotfish-base --config` reads.
+struct BaseFile {
+  std::string name = "robot1";  ///< the robot's name on the bus
+  WheelDriver driver;
+  std::string key_file;  ///< for bus::load_key(); empty: commands and setpoints are not authenticated
+  base::BaseConfig base;
+};
+/// Throws ConfigError naming the key.
+BaseFile load_base(const std::filesystem::path& file);
+
+/// Every key of that file as Markdown: docs/base-configuration.md.
+std::string describe_base_config();
+
+}  // namespace pilotfish::config

@@ -1,0 +1,186 @@
+#include "pilotfish/base/base.hpp"
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "parameters.hpp"
+#include "pilotfish/base/controller_link.hpp"
+#include "pilotfish/base/serial_protocol.hpp"
+#include "pilotfish/config/base_file.hpp"
+
+namespace py = pybind11;
+using namespace pilotfish;
+using namespace pilotfish::base;
+using namespace pilotfish::python;
+
+namespace {
+
+void bind_kinematics(py::module_& m) {
+  bind_parameters<DriveGeometry>(m, "DriveGeometry", "Two driven wheels on one axle.");
+  m.def(
+      "wheel_speeds",
+      [](const DriveGeometry& geometry, const Twist& twist) {
+        const WheelSpeeds speeds = wheel_speeds(geometry, twist);
+        return py::make_tuple(speeds.left_radps, speeds.right_radps);
+      },
+      py::arg("geometry"), py::arg("twist"), "(left_radps, right_radps)");
+  m.def(
+      "twist_of",
+      [](const DriveGeometry& geometry, double left_radps, double right_radps) {
+        return twist_of(geometry, {left_radps, right_radps});
+      },
+      py::arg("geometry"), py::kw_only(), py::arg("left_radps"), py::arg("right_radps"));
+  py::class_<WheelOdometry>(m, "WheelOdometry", "Where the wheels have rolled to.")
+      .def(py::init<const DriveGeometry&, double>(), py::arg("geometry"), py::kw_only(), py::arg("max_wheel_radps"))
+      .def(
+          "update",
+          [](WheelOdometry& self, std::uint32_t time_ms, std::int32_t left_ticks, std::int32_t right_ticks) {
+            return self.update({time_ms, left_ticks, right_ticks});
+          },
+          py::kw_only(), py::arg("time_ms"), py::arg("left_ticks"), py::arg("right_ticks"),
+          "Twist since the reading before; None if it says nothing.")
+      .def("forget", &WheelOdometry::forget)
+      .def_property_readonly("jumps", &WheelOdometry::jumps)
+      .def_property_readonly(
+          "pose",
+          [](const WheelOdometry& self) {
+            return py::make_tuple(self.pose().x_m, self.pose().y_m, self.pose().heading_rad);
+          },
+          "(x_m, y_m, heading_rad)");
+
+  bind_parameters<WheelLimitsConfig>(m, "WheelLimitsConfig", "What the wheels are allowed, whoever asks.");
+  m.def("limit", &base::limit, py::arg("limits"), py::arg("geometry"), py::kw_only(), py::arg("wanted"),
+        py::arg("told"), py::arg("dt_s"), "`wanted`, as near as the limits allow, a time dt_s after `told`.");
+}
+
+void bind_guards(py::module_& m) {
+  py::enum_<CommandVerdict> verdict(m, "CommandVerdict", "What became of a command.");
+  verdict.value("obeyed", CommandVerdict::obeyed)
+      .value("malformed", CommandVerdict::malformed)
+      .value("base_session_wrong", CommandVerdict::base_session_wrong)
+      .value("simulated", CommandVerdict::simulated)
+      .value("replayed", CommandVerdict::replayed)
+      .value("stale", CommandVerdict::stale)
+      .value("after_gap", CommandVerdict::after_gap)
+      .value("session_ended", CommandVerdict::session_ended)
+      .value("foreign", CommandVerdict::foreign)
+      .value("sessions_full", CommandVerdict::sessions_full);
+  py::enum_<LatchVerdict>(m, "LatchVerdict", "What became of a setpoint.")
+      .value("stopped", LatchVerdict::stopped)
+      .value("resumed", LatchVerdict::resumed)
+      .value("noted", LatchVerdict::noted)
+      .value("other_session", LatchVerdict::other_session)
+      .value("replayed", LatchVerdict::replayed);
+  bind_parameters<CommandGuardConfig>(m, "CommandGuardConfig", "How long a command, and a silent sender, count.");
+  m.attr("SESSIONS") = CommandGuard::kSessions;
+}
+
+void bind_base(py::module_& m) {
+  bind_parameters<SerialConfig>(m, "SerialConfig", "The line to the motor controller.");
+  auto config = bind_parameters<BaseConfig>(m, "BaseConfig", "The wheels' process.");
+  config.def_readwrite("wheels", &BaseConfig::wheels)
+      .def_readwrite("limits", &BaseConfig::limits)
+      .def_readwrite("commands", &BaseConfig::commands)
+      .def_readwrite("serial", &BaseConfig::serial);
+  py::enum_<BaseState>(m, "BaseState", "What the wheels' process is doing.")
+      .value("waiting", BaseState::waiting)
+      .value("driving", BaseState::driving)
+      .value("stopped", BaseState::stopped)
+      .value("fault", BaseState::fault);
+  py::class_<BaseOutput>(m, "BaseOutput", "What the wheels are to be told, and why.")
+      .def_readonly("state", &BaseOutput::state)
+      .def_readonly("told", &BaseOutput::told)
+      .def_readonly("obeys", &BaseOutput::obeys, "0: nobody");
+  py::class_<Base>(m, "Base", "Everything that decides what the wheels are told; times are on a monotonic clock [us].")
+      .def(py::init<const BaseConfig&, std::int64_t, bool>(), py::arg("config"), py::kw_only(), py::arg("session"),
+           py::arg("simulated_allowed"))
+      .def(
+          "command",
+          [](Base& self, std::int64_t session, std::int64_t counter, std::int64_t base_session, const Twist& twist,
+             bool simulated, std::int64_t now_us, std::optional<std::int64_t> arrived_us) {
+            return self.hear(CommandHeard{session, counter, base_session, twist, simulated},
+                             {arrived_us.value_or(now_us)}, {now_us});
+          },
+          py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("base_session"), py::arg("twist"),
+          py::arg("simulated") = false, py::arg("now_us"), py::arg("arrived_us") = py::none())
+      .def(
+          "setpoint",
+          [](Base& self, std::int64_t session, std::int64_t counter, bool run, std::int64_t now_us) {
+            return self.hear(SetpointHeard{session, counter, run}, {now_us});
+          },
+          py::kw_only(), py::arg("session") = 0, py::arg("counter") = 0, py::arg("run"), py::arg("now_us"))
+      .def("driver_works", &Base::driver_works, py::arg("works"))
+      .def(
+          "step", [](Base& self, std::int64_t now_us) { return self.step({now_us}); }, py::kw_only(), py::arg("now_us"))
+      .def_property_readonly("deadline_us",
+                             [](const Base& self) -> std::optional<std::int64_t> {
+                               const auto deadline = self.deadline();
+                               return deadline ? std::optional(deadline->us) : std::nullopt;
+                             })
+      .def_property_readonly("session", &Base::session)
+      .def_property_readonly("rejected", &Base::rejected, "what was refused, by name");
+}
+
+void bind_serial(py::module_& m) {
+  m.attr("MAX_LINE") = kMaxLine;
+  m.def(
+      "crc8", [](const py::bytes& text) { return crc8(static_cast<std::string>(text)); }, py::arg("text"));
+  m.def(
+      "set_point_line",
+      [](std::uint16_t sequence, double left_radps, double right_radps) {
+        return py::bytes(std::string(SetPointLine(sequence, {left_radps, right_radps}).text()));
+      },
+      py::kw_only(), py::arg("sequence"), py::arg("left_radps"), py::arg("right_radps"));
+  py::class_<ControllerLine>(m, "ControllerLine", "What the controller says of the wheels.")
+      .def_readonly("sequence", &ControllerLine::sequence)
+      .def_readonly("faults", &ControllerLine::faults)
+      .def_property_readonly("time_ms", [](const ControllerLine& line) { return line.encoders.time_ms; })
+      .def_property_readonly("left_ticks", [](const ControllerLine& line) { return line.encoders.left_ticks; })
+      .def_property_readonly("right_ticks", [](const ControllerLine& line) { return line.encoders.right_ticks; });
+  py::class_<ControllerParser>(m, "ControllerParser", "Bytes in, lines out.")
+      .def(py::init<>())
+      .def(
+          "feed",
+          [](ControllerParser& self, const py::bytes& bytes) {
+            std::vector<ControllerLine> lines;
+            for (const char byte : static_cast<std::string>(bytes))
+              if (const auto line = self.feed(byte)) lines.push_back(*line);
+            return lines;
+          },
+          py::arg("bytes"))
+      .def_property_readonly("rejected", [](const ControllerParser& self) {
+        const ControllerParser::Rejected& rejected = self.rejected();
+        return std::map<std::string, std::int64_t>{{"checksum", rejected.checksum},
+                                                   {"malformed", rejected.malformed},
+                                                   {"too_long", rejected.too_long},
+                                                   {"cut_short", rejected.cut_short}};
+      });
+  py::class_<ControllerLink>(m, "ControllerLink", "Whether the motor controller hears us.")
+      .def(py::init<double>(), py::kw_only(), py::arg("timeout_s"))
+      .def(
+          "next_sequence", [](ControllerLink& self, std::int64_t now_us) { return self.next_sequence({now_us}); },
+          py::kw_only(), py::arg("now_us"))
+      .def("echoed", &ControllerLink::echoed, py::arg("sequence"))
+      .def(
+          "alive", [](const ControllerLink& self, std::int64_t now_us) { return self.alive({now_us}); }, py::kw_only(),
+          py::arg("now_us"))
+      .def("reset", &ControllerLink::reset);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(base, m) {
+  py::module_::import("pilotfish.core");
+  m.doc() = "The wheels' side: whom to obey, what is allowed, what the motor controller hears.";
+  bind_kinematics(m);
+  bind_guards(m);
+  bind_base(m);
+  bind_serial(m);
+  py::class_<config::BaseFile>(m, "BaseFile", "What pilotfish-base --config reads.")
+      .def_readonly("name", &config::BaseFile::name)
+      .def_readonly("base", &config::BaseFile::base)
+      .def_readonly("key_file", &config::BaseFile::key_file)
+      .def_property_readonly("device", [](const config::BaseFile& file) { return file.driver.device; });
+  m.def("load_base", &config::load_base, py::arg("file"), "Throws ValueError naming the key.");
+}

@@ -1,0 +1,106 @@
+#include "pilotfish/base/base.hpp"
+
+#include <algorithm>
+
+namespace pilotfish::base {
+namespace {
+
+/// The limits' time step. A longer one, after a pause, is no reason to jump.
+constexpr double kLongestStep_s = 0.1;
+
+}  // namespace
+
+const std::vector<Parameter<SerialConfig>>& SerialConfig::parameters() {
+  using C = SerialConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"baud", &C::baud, 9600, 4'000'000, "of the serial line; one of the usual numbers"},
+      {"timeout_s", &C::timeout_s, 0.05, 5.0,
+       "a controller that has echoed no line sent within this time cannot be reached: fault, zeros"},
+  };
+  return table;
+}
+
+const std::vector<Parameter<BaseConfig>>& BaseConfig::parameters() {
+  using C = BaseConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"rate_hz", &C::rate_hz, 20.0, 200.0,
+       "lines to the wheels and messages on NAME_BASE per second; more go out when something changes"},
+      {"start_stopped", &C::start_stopped, 0, 1, "begin with a latched stop: nothing moves until it is resumed"},
+  };
+  return table;
+}
+
+std::string_view to_string(BaseState state) noexcept {
+  switch (state) {
+    case BaseState::waiting: return "waiting";
+    case BaseState::driving: return "driving";
+    case BaseState::stopped: return "stopped";
+    case BaseState::fault: return "fault";
+  }
+  return "unknown";
+}
+
+void Base::check(const BaseConfig& config) {
+  check_ranges(config, "");
+  check_ranges(config.wheels, "wheels");
+  check_ranges(config.limits, "limits");
+  check_ranges(config.commands, "commands");
+  check_ranges(config.serial, "serial");
+  if (std::find(std::begin(kBauds), std::end(kBauds), config.serial.baud) != std::end(kBauds)) return;
+  std::string known;
+  for (const int baud : kBauds) known += " " + std::to_string(baud);
+  throw ConfigError("serial.baud", std::to_string(config.serial.baud) + " is not a line's speed; there are" + known);
+}
+
+Base::Base(const BaseConfig& config, std::int64_t own_session, bool simulated_allowed)
+    : config_(config),
+      own_session_(own_session),
+      guard_(config.commands, own_session, simulated_allowed),
+      latch_(config.start_stopped) {
+  check(config);
+}
+
+CommandVerdict Base::hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept {
+  const CommandVerdict verdict = guard_.hear(command, arrived, now);
+  ++refused_commands_[static_cast<std::size_t>(verdict)];
+  return verdict;
+}
+
+LatchVerdict Base::hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept {
+  const LatchVerdict verdict = latch_.hear(setpoint, guard_.obeys(now));
+  if (verdict == LatchVerdict::other_session) ++refused_other_session_;
+  if (verdict == LatchVerdict::replayed) ++refused_replayed_;
+  return verdict;
+}
+
+BaseOutput Base::step(MonotonicTime now) noexcept {
+  const std::optional<Twist> command = guard_.command_at(now);
+  BaseOutput output;
+  output.obeys = guard_.obeys(now);
+  if (!driver_works_) {
+    output.state = BaseState::fault;
+  } else if (latch_.stopped()) {
+    output.state = BaseState::stopped;
+  } else if (command) {
+    const double passed_s = told_at_ ? static_cast<double>(now.us - told_at_->us) * 1e-6 : 0.0;
+    output.state = BaseState::driving;
+    output.told = limit(config_.limits, config_.wheels, *command, told_, std::clamp(passed_s, 0.0, kLongestStep_s));
+  }
+  told_ = output.told;
+  told_at_ = now;
+  return output;
+}
+
+std::map<std::string, std::int64_t> Base::rejected() const {
+  std::map<std::string, std::int64_t> counters;
+  for (int i = 0; i < kCommandVerdicts; ++i) {
+    const auto verdict = static_cast<CommandVerdict>(i);
+    const std::int64_t count = refused_commands_[static_cast<std::size_t>(i)];
+    if (verdict != CommandVerdict::obeyed && count > 0) counters.emplace(to_string(verdict), count);
+  }
+  if (refused_other_session_ > 0) counters.emplace(to_string(LatchVerdict::other_session), refused_other_session_);
+  if (refused_replayed_ > 0) counters.emplace(to_string(LatchVerdict::replayed), refused_replayed_);
+  return counters;
+}
+
+}  // namespace pilotfish::base

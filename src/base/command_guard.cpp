@@ -1,0 +1,107 @@
+#include "pilotfish/base/command_guard.hpp"
+
+#include <algorithm>
+
+namespace pilotfish::base {
+namespace {
+
+std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
+
+}  // namespace
+
+std::string_view to_string(CommandVerdict verdict) noexcept {
+  switch (verdict) {
+    case CommandVerdict::obeyed: return "command_obeyed";
+    case CommandVerdict::malformed: return "command_malformed";
+    case CommandVerdict::base_session_wrong: return "base_session_wrong";
+    case CommandVerdict::simulated: return "command_simulated";
+    case CommandVerdict::replayed: return "command_replayed";
+    case CommandVerdict::stale: return "command_stale";
+    case CommandVerdict::after_gap: return "command_after_gap";
+    case CommandVerdict::session_ended: return "command_session_ended";
+    case CommandVerdict::foreign: return "command_foreign";
+    case CommandVerdict::sessions_full: return "command_sessions_full";
+  }
+  return "command_unknown";
+}
+
+const std::vector<Parameter<CommandGuardConfig>>& CommandGuardConfig::parameters() {
+  using C = CommandGuardConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"max_command_age_s", &C::max_command_age_s, 0.02, 0.1,
+       "a command is good for this long after its arrival, then zeros; 5 ms below the limit leave time for the line"},
+      {"takeover_s", &C::takeover_s, 0.2, 60.0,
+       "a sender that is silent for longer has ended, and another one may be obeyed"},
+  };
+  return table;
+}
+
+CommandGuard::CommandGuard(const CommandGuardConfig& config, std::int64_t own_session, bool simulated_allowed)
+    : config_(config), own_session_(own_session), simulated_allowed_(simulated_allowed) {}
+
+CommandGuard::Sender* CommandGuard::find(std::int64_t session) noexcept {
+  auto* found = std::find_if(senders_.begin(), senders_.end(), [&](const Sender& s) { return s.session == session; });
+  return found == senders_.end() ? nullptr : found;
+}
+
+/// A process that was stopped, or starved, finds a queue of commands of which nobody knows how old they are. A pause of
+/// half a command's life is one: for a whole life after it nothing is believed, and by then the queue has been emptied.
+/// Nor does anybody know whether the sender was silent in the meantime: its silence is counted from now.
+void CommandGuard::advance(MonotonicTime now) noexcept {
+  const std::int64_t life_us = microseconds(config_.max_command_age_s);
+  if (last_now_.us != 0 && now.us - last_now_.us > life_us / 2) {
+    gap_until_ = {now.us + life_us};
+    last_heard_ = now;
+  }
+  last_now_ = std::max(last_now_, now);
+  if (command_ && now.us - last_arrival_.us >= life_us) command_.reset();
+  if (obeyed_ != 0 && now.us - last_heard_.us > microseconds(config_.takeover_s)) {
+    find(obeyed_)->ended = true;
+    obeyed_ = 0;
+  }
+}
+
+CommandVerdict CommandGuard::hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept {
+  advance(now);
+  if (command.session == 0 || !is_finite(command.twist)) return CommandVerdict::malformed;
+  if (command.base_session != own_session_) return CommandVerdict::base_session_wrong;
+
+  Sender* sender = find(command.session);
+  if (sender == nullptr) {
+    if (senders_.full()) return CommandVerdict::sessions_full;
+    senders_.push_back({command.session, command.counter, false});
+    sender = find(command.session);
+  } else if (command.counter <= sender->highest_counter) {
+    return CommandVerdict::replayed;
+  }
+  sender->highest_counter = command.counter;
+
+  if (command.simulated && !simulated_allowed_) return CommandVerdict::simulated;
+  if (sender->ended) return CommandVerdict::session_ended;
+  if (obeyed_ != 0 && obeyed_ != command.session) return CommandVerdict::foreign;
+  if (obeyed_ == command.session) last_heard_ = now;
+  if (now.us - arrived.us >= microseconds(config_.max_command_age_s)) return CommandVerdict::stale;
+  if (now < gap_until_) return CommandVerdict::after_gap;
+  obeyed_ = command.session;
+  last_heard_ = now;
+  last_arrival_ = std::min(arrived, now);
+  command_ = command.twist;
+  return CommandVerdict::obeyed;
+}
+
+std::optional<Twist> CommandGuard::command_at(MonotonicTime now) noexcept {
+  advance(now);
+  return command_;
+}
+
+std::optional<MonotonicTime> CommandGuard::deadline() const noexcept {
+  if (!command_) return std::nullopt;
+  return MonotonicTime{last_arrival_.us + microseconds(config_.max_command_age_s)};
+}
+
+std::int64_t CommandGuard::obeys(MonotonicTime now) noexcept {
+  advance(now);
+  return obeyed_;
+}
+
+}  // namespace pilotfish::base

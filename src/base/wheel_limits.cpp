@@ -1,0 +1,59 @@
+#include "pilotfish/base/wheel_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pilotfish::base {
+namespace {
+
+/// From `told` towards `wanted` in a time dt: away from zero with `up`, towards zero with `down`, and through zero with
+/// `down` as long as it lasts and `up` for the rest of the time.
+double approach(double wanted, double told, double up, double down, double dt) noexcept {
+  const bool slowing = std::signbit(wanted) != std::signbit(told) || std::abs(wanted) < std::abs(told);
+  if (!slowing || told == 0.0) return std::clamp(wanted, told - up * dt, told + up * dt);
+  const double speed = std::abs(told);
+  if (std::signbit(wanted) == std::signbit(told))
+    return std::copysign(std::max(std::abs(wanted), speed - down * dt), told);
+  const double to_zero = speed / down;
+  if (to_zero >= dt) return std::copysign(speed - down * dt, told);
+  return std::copysign(std::min(std::abs(wanted), up * (dt - to_zero)), wanted);
+}
+
+}  // namespace
+
+const std::vector<Parameter<WheelLimitsConfig>>& WheelLimitsConfig::parameters() {
+  using C = WheelLimitsConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"max_linear_mps", &C::max_linear_mps, 0.01, 5.0, "forward speed"},
+      {"max_reverse_mps", &C::max_reverse_mps, 0.0, 5.0, "speed allowed backwards; 0 forbids reversing"},
+      {"max_linear_acceleration_mps2", &C::max_linear_acceleration_mps2, 0.01, 20.0, "speeding up"},
+      {"brake_mps2", &C::brake_mps2, 0.01, 100.0,
+       "slowing down to a speed that is not zero; zero itself is passed on at once"},
+      {"max_angular_radps", &C::max_angular_radps, 0.01, 20.0, "turn rate"},
+      {"max_angular_acceleration_radps2", &C::max_angular_acceleration_radps2, 0.01, 200.0, "change of turn rate"},
+      {"max_wheel_radps", &C::max_wheel_radps, 0.1, 1000.0,
+       "of each wheel; where one would be faster, both are slowed down alike"},
+  };
+  return table;
+}
+
+Twist limit(const WheelLimitsConfig& limits, const DriveGeometry& geometry, const Twist& wanted, const Twist& told,
+            double dt_s) noexcept {
+  if (!is_finite(wanted) || wanted == Twist{}) return {};
+  const double dt = std::max(dt_s, 0.0);
+  const Twist allowed{std::clamp(wanted.linear_mps, -limits.max_reverse_mps, limits.max_linear_mps),
+                      std::clamp(wanted.angular_radps, -limits.max_angular_radps, limits.max_angular_radps)};
+  Twist limited{
+      approach(allowed.linear_mps, told.linear_mps, limits.max_linear_acceleration_mps2, limits.brake_mps2, dt),
+      approach(allowed.angular_radps, told.angular_radps, limits.max_angular_acceleration_radps2,
+               limits.max_angular_acceleration_radps2, dt)};
+  const WheelSpeeds speeds = wheel_speeds(geometry, limited);
+  const double fastest = std::max(std::abs(speeds.left_radps), std::abs(speeds.right_radps));
+  if (fastest > limits.max_wheel_radps) {
+    const double slower = limits.max_wheel_radps / fastest;
+    limited = {limited.linear_mps * slower, limited.angular_radps * slower};
+  }
+  return limited;
+}
+
+}  // namespace pilotfish::base
