@@ -50,6 +50,7 @@ SourceSpec parse_source(const std::string& text) {
 
 ParsedOptions parse_options(int argc, char** argv) {
   Options options;
+  for (int i = 0; i < argc; ++i) options.command_line += (i == 0 ? "" : " ") + std::string(argv[i]);
   CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM."};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-coordinator ") + kVersion, "print the version and end");
@@ -68,6 +69,8 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(CLI::IsMember({"none", "pose"}));
   app.add_option("--announcements-from", options.announcements_from,
                  "the leader's name on the bus, to hear what it announces on its NAME_MOTION; none: nobody");
+  app.add_option("--black-box", options.black_box,
+                 "folder for a ring of recordings, from which pilotfish replay recomputes every command");
   app.add_flag(
       "--simulated-time", options.simulated_time,
       "time passes as the images' stamps say, for pilotfish-sim in lock-step: real wheels do not obey such commands");

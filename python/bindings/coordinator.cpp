@@ -31,6 +31,7 @@ void bind_config(py::module_& m) {
       .def_readwrite("control", &CoordinatorConfig::control)
       .def_readwrite("safety", &CoordinatorConfig::safety)
       .def_readwrite("setpoint", &CoordinatorConfig::setpoint);
+  bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
   py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
       .def_readonly("name", &config::CoordinatorFile::name)
       .def_readonly("source", &config::CoordinatorFile::source)
@@ -42,7 +43,6 @@ void bind_config(py::module_& m) {
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
       .def_readonly("black_box", &config::CoordinatorFile::black_box)
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
-  bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
   using config::ConfigBundle, config::ConfigOverrides, config::ConfigText;
   py::class_<ConfigOverrides>(m, "ConfigOverrides", "What the command line says instead of the configuration.")
       .def(py::init([](std::optional<std::string> law, std::optional<std::string> profile,
