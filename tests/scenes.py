@@ -12,7 +12,7 @@ PERIOD_US = 33_333
 
 def leader_pictures(count: int, *, hidden_from: int | None = None, start_utime: int = 1_000_000) -> list[core.Frame]:
     """What the line scenario's coordinator sees if it stands still: the leader drives ahead. From frame
-    ``hidden_from`` on the pictures are plain gray."""
+    ``hidden_from`` on the pictures are gray, with a sensor's noise."""
     scenario = sim.load_scenario(str(shipped.path("scenarios/line.yaml")))
     world = sim.World(scenario)
     robot = next(r.name for r in scenario.robots if r.follows)
@@ -21,6 +21,7 @@ def leader_pictures(count: int, *, hidden_from: int | None = None, start_utime: 
         world.advance_to(k / 30)
         image = world.capture(robot).image
         if hidden_from is not None and k >= hidden_from:
-            image = np.full_like(image, 128)
+            noise = np.random.default_rng(k).integers(-2, 3, image.shape)  # the same picture twice is a frozen camera
+            image = (128 + noise).astype(np.uint8)
         frames.append(core.Frame(image, utime=start_utime + k * PERIOD_US))
     return frames

@@ -42,7 +42,18 @@ class Loop {
         reporter_(config, parts, coordinator),
         latency_(config) {}
 
+  /// Until the end, which is said as well: who watches must not take the last status for what still holds.
   void run() {
+    work();
+    StepResult end = coordinator_.command_at(now());
+    end.status = Status::stopped;
+    end.reason = Reason::told_to_stop;
+    end.command = Twist{};
+    reporter_.report(end, timing_);
+  }
+
+ private:
+  void work() {
     const std::chrono::microseconds period(static_cast<std::int64_t>(1e6 / config_.frame_rate_hz));
     const std::chrono::microseconds patience = parts_.pull ? std::chrono::microseconds(0) : period + period / 2;
     while (!parts_.stop_requested()) {
@@ -64,7 +75,6 @@ class Loop {
     }
   }
 
- private:
   /// For questions between frames, on the frames' clock.
   MonotonicTime now() const { return config_.simulated ? clock_.now() : monotonic_now(); }
 

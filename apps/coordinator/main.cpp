@@ -225,6 +225,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
     supervisor.fail(error.what());
   }
   sender.finish(Reason::told_to_stop);
+  supervisor.ended();
   source.camera.reset();
   listener.stop();
   set_last_words(nullptr);

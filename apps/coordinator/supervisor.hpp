@@ -23,6 +23,7 @@ class Supervisor {
   Supervisor& operator=(const Supervisor&) = delete;
 
   void ready(const std::string& source);  ///< once: to the service manager
+  void ended() { service_.stopping(); }   ///< the source has
   void looked() { ++turns_; }             ///< one turn of the loop that looks
   bool stop_requested() const { return stopping_; }
   bool failed() const { return failed_; }

@@ -45,6 +45,7 @@ def descriptors(process):
 
 @pytest.mark.parametrize("closed", CLOSED, ids=str)
 @pytest.mark.parametrize("program", ARGUMENTS)
+@pytest.mark.fault("descriptors_closed")
 def test_no_socket_gets_the_number_of_a_closed_stream(program, closed):
     process = start(program, [*ARGUMENTS[program], "--lcm-url", private_lcm_url()], closed)
     try:

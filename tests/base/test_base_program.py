@@ -76,6 +76,7 @@ def test_without_commands_zeros_keep_going_to_the_wheels(commander, controller):
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+@pytest.mark.fault("coordinator_killed")
 def test_when_the_sender_dies_or_is_stopped_the_wheels_are_told_zero(url, robot, controller, how):
     program = [sys.executable, str(Path(__file__).with_name("commander.py")), url, "robot1", "0.3"]
     with subprocess.Popen(program) as sender:
@@ -89,6 +90,7 @@ def test_when_the_sender_dies_or_is_stopped_the_wheels_are_told_zero(url, robot,
         sender.kill()
 
 
+@pytest.mark.fault("wheels_forged")
 def test_recorded_commands_move_nothing(commander, controller, url):
     driven(commander, controller)
     recorded = list(commander.sent)
@@ -99,6 +101,7 @@ def test_recorded_commands_move_nothing(commander, controller, url):
     assert not any(s.moves for s in controller.set_points[before:])
 
 
+@pytest.mark.fault("base_killed", "wheels_forged")
 def test_a_recording_of_an_earlier_run_of_the_base_moves_nothing(tmp_path, url, controller, commander, robot):
     driven(commander, controller)
     recorded = list(commander.sent)
@@ -125,6 +128,7 @@ def test_a_second_sender_never_drives(commander, controller, url):
     assert commander.last.obeys == commander.session
 
 
+@pytest.mark.fault("wheels_forged")
 def test_a_simulated_command_never_moves_real_wheels(commander, controller):
     commander.simulated = True
     commander.drive_until(lambda: commander.rejected("command_simulated") >= 20, "20 refusals")
@@ -153,6 +157,7 @@ def test_a_stop_from_anyone_lasts_until_the_obeyed_session_is_resumed(commander,
     assert standing(controller)()
 
 
+@pytest.mark.fault("wheels_forged")
 def test_forged_and_replayed_commands_and_resumes_are_refused_where_a_key_is_configured(tmp_path, url, controller):
     key = bytes(range(32))
     file = tmp_path / "key"
@@ -188,6 +193,7 @@ def test_forged_and_replayed_commands_and_resumes_are_refused_where_a_key_is_con
         honest.drive_until(moving(controller), "the honest resume")
 
 
+@pytest.mark.fault("wheels_unplugged")
 def test_a_line_that_is_not_read_blocks_nothing_and_gives_no_old_speeds_afterwards(commander, controller, robot):
     driven(commander, controller)
     controller.reads = False
@@ -231,6 +237,7 @@ def test_a_pressed_emergency_stop_latches(commander, controller):
     commander.drive_until(standing(controller), "zeros")
 
 
+@pytest.mark.fault("wheels_unplugged")
 def test_an_unplugged_line_is_a_fault_and_is_opened_again(tmp_path, url):
     first, link = MotorController(), tmp_path / "tty"
     link.symlink_to(first.device)

@@ -85,6 +85,7 @@ def can_mount():
 
 
 @pytest.mark.skipif(not can_mount(), reason="no user namespaces here")
+@pytest.mark.fault("disk_full")
 def test_a_full_disk_costs_the_oldest_files_and_nobody_else(tmp_path):
     came = outcome("full_disk_writer.py", tmp_path, prefix=("unshare", "--map-root-user", "--mount"))
     # 12 MB were handed over and 3 MB fit: what is left is the newest, and every bit of it agrees.

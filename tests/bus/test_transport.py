@@ -42,7 +42,7 @@ def handle_until(link, condition):
 def setpoints_of(link):
     """The distances that get through to the Bus's handler."""
     received = []
-    link.bus.on_setpoint("r1", lambda setpoint: received.append(setpoint.distance_m))
+    link.bus.on_setpoint("r1", lambda setpoint: received.append(setpoint.setpoint.distance_m))
     return received
 
 
@@ -203,7 +203,7 @@ from pilotfish import bus
 url = "udpm://239.255.76.67:7667?ttl=" + sys.argv[1]
 link = bus.Bus(url)
 received = []
-link.on_setpoint("r1", lambda setpoint: received.append(setpoint.distance_m))
+link.on_setpoint("r1", lambda setpoint: received.append(setpoint.setpoint.distance_m))
 link.handle(0)
 for address, distance_m in [("10.9.8.7", 1.25), ("127.0.0.1", 1.5)]:
     sender = Sender(url)
@@ -268,7 +268,7 @@ def test_inside_a_process_too_a_message_is_as_old_as_it_is():
     arrivals = []
     local.on_setpoint("r1", lambda _: arrivals.append(local.arrival_us))
     before = now_us()
-    local.publish_setpoint("r1", core.Setpoint(), utime=1)
+    local.publish_setpoint("r1", bus.SetpointReport(utime=1, session=1, counter=1, setpoint=core.Setpoint()))
     after = now_us()
     while now_us() < after + 20_000:
         pass
@@ -321,6 +321,7 @@ def test_a_header_that_contradicts_itself_is_refused_without_decoding(edge, chan
 
 def test_own_messages_come_back_as_liblcm_has_it(link):
     received = setpoints_of(link)
-    link.bus.publish_setpoint("r1", core.Setpoint(distance_m=0.75), utime=1)
+    report = bus.SetpointReport(utime=1, session=1, counter=1, setpoint=core.Setpoint(distance_m=0.75))
+    link.bus.publish_setpoint("r1", report)
     handle_until(link, lambda: received)
     assert received == [0.75]

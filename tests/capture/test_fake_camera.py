@@ -120,6 +120,7 @@ def test_a_jpeg_gives_its_luma_whether_or_not_it_brings_the_usual_huffman_tables
         assert answer["checksum"] == expected
 
 
+@pytest.mark.fault("camera_damaged_jpeg")
 def test_a_jpeg_that_is_cut_off_is_a_frame_without_pixels(tmp_path):
     image = scenes()[0]
     cut = [jpeg_of(image)[:size] for size in (20, 400, len(jpeg_of(image)) // 2, len(jpeg_of(image)) - 30)]
@@ -160,6 +161,7 @@ def test_a_camera_says_what_its_stamps_mean(tmp_path, stamp_kind):
 
 
 @pytest.mark.parametrize("stamp_kind", [0, 1, 2, 3])
+@pytest.mark.fault("camera_old_buffers")
 def test_buffers_that_waited_for_a_late_reader_are_as_old_as_they_are(tmp_path, stamp_kind):
     """Four buffers are filled, then the driver drops pictures. Whoever comes after d dropped pictures gets one that is
     older than (d - 1) periods. Without a stamp, what is known is that the queue was empty before."""
@@ -247,6 +249,7 @@ def test_a_silent_camera_lets_the_reader_go_every_quarter_second_and_ends_after_
         assert reader.frame()["width"] == WIDTH
 
 
+@pytest.mark.fault("camera_unplugged")
 def test_a_camera_that_is_pulled_out_ends_and_can_be_opened_when_it_is_back(tmp_path):
     camera = FakeCamera(tmp_path, {"scenes": scenes()}, rate_hz=RATE_HZ)
     with opened(camera) as reader:

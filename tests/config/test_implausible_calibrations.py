@@ -49,6 +49,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize(("text", "says"), REFUSED.values(), ids=REFUSED)
+@pytest.mark.fault("implausible_calibration")
 def test_an_implausible_calibration_is_refused(tmp_path, text, says):
     (tmp_path / "camera").write_text(text)
     with pytest.raises(ValueError, match=says):

@@ -97,6 +97,7 @@ def names_it_in(folder, key, path):
     ],
     ids=["configuration", "calibration", "leader", "fuzzy", "scenario"],
 )
+@pytest.mark.fault("not_a_file")
 def test_what_is_no_file_is_refused_by_every_reader(no_file, load, key):
     path, says = no_file
     with pytest.raises(ValueError, match=f"^{key}: ({says}|cannot read {says})"):
@@ -113,6 +114,7 @@ def test_what_is_no_file_is_refused_with_the_key_that_names_it(no_file, folder, 
 @pytest.mark.parametrize(
     ("program", "option"), [(COORDINATOR, "--config"), (SIM, "--scenario")], ids=["coordinator", "sim"]
 )
+@pytest.mark.fault("not_a_file")
 def test_a_program_that_is_given_no_file_ends_with_78_and_the_key(no_file, program, option):
     path, _ = no_file
     done = subprocess.run(

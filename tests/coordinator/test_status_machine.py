@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pilotfish import control, coordinator, core
+from pilotfish import coordinator, core
 from pilotfish import data as shipped
 from pilotfish.core import Reason, Status
 from scenes import PERIOD_US, leader_pictures

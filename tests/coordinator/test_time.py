@@ -35,6 +35,7 @@ class Robot:
         return utime + (frames - 1) * PERIOD_US
 
 
+@pytest.mark.fault("stamps_backward")
 def test_stamps_that_run_backward_drive_for_100_ms_and_no_longer():
     robot = Robot()
     last = robot.drive()
@@ -55,6 +56,7 @@ def test_stamps_that_run_backward_do_not_revive_a_robot_that_lost_its_leader():
 
 
 @pytest.mark.parametrize("shift_us", [-3_600_000_000, 3_600_000_000, -500_000, 500_000, -200_000])
+@pytest.mark.fault("clock_set")
 def test_a_source_whose_clock_is_set_is_followed_again_from_rest_after_five_frames_that_agree(shift_us):
     robot = Robot()
     last = robot.drive()
@@ -74,6 +76,7 @@ def test_a_clock_that_is_set_back_by_less_than_a_frame_is_no_epoch():
 
 
 @pytest.mark.parametrize("stamp", [2**61, 2**62, -(2**62), 0, 2**63 - 1, -(2**63)])
+@pytest.mark.fault("wild_stamp")
 def test_one_frame_with_a_wild_stamp_changes_nothing_for_those_before_and_after(stamp):
     robot = Robot()
     last = robot.drive()
@@ -94,6 +97,7 @@ def test_wild_stamps_between_all_good_frames_do_not_end_the_epoch():
         assert robot.frame(last + k * PERIOD_US, after_us=PERIOD_US - 10_000).status == Status.tracking
 
 
+@pytest.mark.fault("stamps_wrong_unit")
 def test_stamps_in_milliseconds_are_refused_as_soon_as_they_cannot_be_true():
     robot = Robot()
     results = [robot.frame(1_000 + 33 * k) for k in range(100)]
@@ -108,6 +112,7 @@ def test_a_stamp_that_runs_twice_as_fast_as_time_is_refused():
     assert all(r.reason == Reason.frame_time_implausible and r.command == STILL for r in results[7:])
 
 
+@pytest.mark.fault("late_frames")
 def test_frames_that_were_held_up_are_as_old_as_they_are():
     """A burst after a stall of 4 s: 120 frames at once, of which only the last three are young enough."""
     robot = Robot()
@@ -138,6 +143,7 @@ def test_a_frame_known_to_be_old_or_of_the_future_moves_nothing():
         assert (result.status, result.reason, result.command) == (Status.invalid_input, reason, STILL)
 
 
+@pytest.mark.fault("forged_first_image")
 def test_one_forged_first_image_does_not_make_a_camera_that_is_3_s_late_look_fresh():
     robot = Robot()
     robot.frame(1)
@@ -177,6 +183,7 @@ def step(heart, image, k):
     return heart.step(core.Frame(image, utime=utime), utime)
 
 
+@pytest.mark.fault("camera_frozen")
 def test_the_third_picture_in_a_row_with_the_same_pixels_moves_nothing():
     heart = coordinator.Coordinator(CONFIG)
     for k in range(10):

@@ -97,7 +97,7 @@ def test_the_latency_from_exposure_to_command_is_published_and_a_wrong_one_named
     """Stamped by this host's clock 80 ms ago, the pictures are at least 80 ms old when they are answered; configured
     are 33 ms, and the difference is more than one period of 33 ms."""
     image = leader_pictures(1)[0].image
-    with Listening(tmp_path) as onboard:
+    with Listening(tmp_path, simulated=False) as onboard:
         for _ in range(40):
             answered = onboard.answer_to(core.Frame(image, utime=time.time_ns() // 1000 - 80_000))
         status = onboard.status_of(answered.utime)

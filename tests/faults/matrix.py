@@ -13,9 +13,9 @@ import yaml
 TESTS = Path(__file__).parents[1]
 HEAD = """# Faults
 
-What can go wrong on a robot, what must happen then, and the tests that see to it. Made from `tests/faults/faults.yaml` and the
-tests' own marks (`python tests/faults/matrix.py > docs/faults.md`); a row without a test fails the run. No camera, wheels or
-serial line of iron took part: cameras are a fake at the system calls' edge, wheels a pseudo-terminal.
+What can go wrong on a robot, what must happen then, and the tests that see to it. Made from `tests/faults/faults.yaml`
+and the tests' own marks (`python tests/faults/matrix.py > docs/faults.md`); a row without a test fails the run. No
+hardware took part: cameras are a fake at the system calls' edge, wheels a pseudo-terminal.
 """
 
 
@@ -33,7 +33,7 @@ def _marks_of(decorators: list[ast.expr]) -> list[str]:
 
 
 def tests_by_fault() -> dict[str, list[str]]:
-    """{id: ["tests/bus/test_x.py: test_y", ...]}, read from the sources; marks on classes and in pytestmark count for all."""
+    """{id: ["tests/bus/test_x.py: test_y", ...]}, read from the sources."""
     found: dict[str, list[str]] = {}
     for file in sorted(TESTS.rglob("test_*.py")):
         for node in ast.walk(ast.parse(file.read_text())):

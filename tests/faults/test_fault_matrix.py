@@ -2,19 +2,19 @@
 
 from pathlib import Path
 
-from faults.matrix import as_markdown, load_faults, tests_by_fault
+from faults import matrix
 
-ROWS = {name for chapter in load_faults().values() for name in chapter}
+ROWS = {name for chapter in matrix.load_faults().values() for name in chapter}
 
 
 def test_every_fault_has_a_test_that_carries_its_name():
-    assert sorted(ROWS - set(tests_by_fault())) == []
+    assert sorted(ROWS - set(matrix.tests_by_fault())) == []
 
 
 def test_every_mark_names_a_row():
-    assert sorted(set(tests_by_fault()) - ROWS) == []
+    assert sorted(set(matrix.tests_by_fault()) - ROWS) == []
 
 
 def test_the_document_is_made_of_the_table_and_the_marks():
     document = Path(__file__).parents[2] / "docs" / "faults.md"
-    assert document.read_text() == as_markdown(), "python tests/faults/matrix.py > docs/faults.md"
+    assert document.read_text() == matrix.as_markdown(), "python tests/faults/matrix.py > docs/faults.md"

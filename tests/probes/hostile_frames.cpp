@@ -53,7 +53,7 @@ CameraModel any_camera(RandomNumbers& random) {
       break;
     case 1:  // any pinhole
       camera.fx = longest * std::pow(10.0, random.between(-0.99, 1.99));
-      camera.fy = longest * std::pow(10.0, random.between(-0.99, 1.99));
+      camera.fy = std::clamp(camera.fx * random.between(0.81, 1.24), 0.1 * longest, 99.0 * longest);
       camera.cx = random.between(0.01, width - 0.01);
       camera.cy = random.between(0.01, height - 0.01);
       break;

@@ -35,6 +35,7 @@ def here(tmp_path_factory):
     ("command", "place", "wrong"),
     [pytest.param(*case, id=f"{case[0]}-{case[1]}-{case[2][:12] or 'nothing'}") for case in command_lines.cases()],
 )
+@pytest.mark.fault("bad_command_line_input")
 def test_bad_input_ends_with_a_line_and_its_exit_code(tmp_path, here, command, place, wrong):
     words = command_lines.line(command, here, tmp_path, place, wrong)
     result = runner.invoke(app, words)
@@ -71,6 +72,7 @@ PRINTING = {
 
 
 @pytest.mark.parametrize("words", PRINTING.values(), ids=PRINTING)
+@pytest.mark.fault("bad_command_line_input")
 def test_a_full_disk_under_standard_output_ends_with_74_and_one_line(words):
     done = run_in_shell(words, "> /dev/full")
     assert "Traceback" not in done.stderr

@@ -108,13 +108,18 @@ def test_a_robot_that_follows_a_follower_has_a_coordinator_of_its_own():
     assert [done for done, _ in steps] == sorted(done for done, _ in steps)
 
 
-def test_a_coordinator_that_does_not_come_up_is_quoted(line, tmp_path):
+def test_a_coordinator_that_does_not_come_up_is_quoted(line):
+    with pytest.raises(HarnessError) as caught:
+        run_over_lcm(line, profile="paper", duration_s=0.1, coordinator_options=["--black-box", "/proc/nowhere"])
+    assert "robot1: ended with 78 before being ready" in str(caught.value)
+    assert "black_box.directory" in str(caught.value)
+
+
+def test_a_tuning_with_an_unknown_key_is_refused_before_anything_starts(line, tmp_path):
     nonsense = tmp_path / "nonsense.yaml"
     nonsense.write_text("pid: {distance_kq: 1.0}\n")
-    with pytest.raises(HarnessError) as caught:
+    with pytest.raises(ConfigError, match="distance_kq"):
         run_over_lcm(line, profile="pid", tuning=nonsense, duration_s=0.1)
-    assert "robot1: ended with 78 before being ready" in str(caught.value)
-    assert "distance_kq" in str(caught.value)
 
 
 def test_who_cannot_drive_is_refused_with_those_who_can(line):

@@ -84,6 +84,7 @@ def test_an_id_that_the_leader_does_not_wear():
     assert refused(picture(body=other)) == (Reason.no_tag_of_the_leader, {"foreign_id": 1})
 
 
+@pytest.mark.fault("duplicate_tag")
 def test_an_id_that_is_seen_twice():
     image = render([(BODY, leader_at(1.5, bearing)) for bearing in (-0.2, 0.2)], 1)
     assert refused(image) == (Reason.tag_duplicate, {"duplicate_id": 2})
