@@ -1,23 +1,71 @@
 #include "stop_signal.hpp"
 
+#include <atomic>
 #include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <exception>
+
+#include "pilotfish/bus/last_words.hpp"
 
 namespace pilotfish::apps {
 namespace {
 
-// A signal handler can reach nothing but a global; this is the only one.
+// A signal handler can reach nothing but globals; these are the only ones.
 volatile std::sig_atomic_t stop_flag = 0;
+std::atomic<const bus::LastWords*> last_words{nullptr};
+
+constexpr int kStopSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM};
+constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGXCPU, SIGXFSZ};
+
+void speak_last_words() {
+  if (const bus::LastWords* words = last_words.exchange(nullptr)) words->send();
+}
+
+sigset_t stop_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (int signal : kStopSignals) sigaddset(&set, signal);
+  return set;
+}
 
 }  // namespace
 
 void catch_stop_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_flag = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (int signal : kStopSignals) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool stop_requested() { return stop_flag != 0; }
+
+void block_stop_signals() {
+  const sigset_t set = stop_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+bool wait_for_stop_signal(int timeout_ms) {
+  const sigset_t set = stop_signals();
+  const timespec patience{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
+  return sigtimedwait(&set, nullptr, &patience) > 0;
+}
+
+void set_last_words(const bus::LastWords* words) {
+  last_words = words;
+  struct sigaction action {};
+  // Once, then the default, of which the process dies as it would have: the signal waits until the handler returns.
+  action.sa_handler = [](int signal) {
+    speak_last_words();
+    raise(signal);
+  };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  for (int signal : kFaults) sigaction(signal, &action, nullptr);
+  std::set_terminate([] {
+    speak_last_words();
+    std::abort();
+  });
+}
 
 }  // namespace pilotfish::apps

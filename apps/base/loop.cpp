@@ -6,8 +6,8 @@
 #include <chrono>
 #include <ctime>
 
-#include "last_words.hpp"
 #include "pilotfish/core/monotonic.hpp"
+#include "stop_signal.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -38,11 +38,12 @@ bus::BaseReport::State on_the_wire(base::BaseState state) {
 
 class Loop {
  public:
-  Loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus)
+  Loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus, ServiceNotify& service)
       : config_(config),
         base_(base),
         driver_(driver),
         bus_(bus),
+        service_(service),
         period_us_(static_cast<std::int64_t>(1e6 / config.rate_hz)),
         started_(monotonic_now()) {
     bus_.on_base(config_.robot, [this](const bus::BaseReport& report) { hear(report); });
@@ -52,13 +53,17 @@ class Loop {
 
   void run() {
     const MonotonicTime begin{started_.us + kListenFirst_us};
-    while (!base_stop_requested()) {
+    while (!stop_requested()) {
       wait();
       const MonotonicTime now = monotonic_now();
       if (another_) throw AnotherBase("another pilotfish-base is running for " + config_.robot + " on " + bus_.url());
       driver_.poll(now);
-      publish_ = begin <= now;
+      if (!publish_ && begin <= now) {
+        publish_ = true;
+        service_.ready("wheels of " + config_.robot);
+      }
       step(now);
+      service_.progress(now);
     }
     end();
   }
@@ -74,8 +79,7 @@ class Loop {
   void hear(const bus::CommandReport& report) {
     const base::CommandHeard command{report.session, report.counter, report.base_session, report.command,
                                      report.simulated};
-    const MonotonicTime now = monotonic_now();
-    if (base_.hear(command, now, now) == base::CommandVerdict::obeyed) fresh_ = true;
+    if (base_.hear(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::obeyed) fresh_ = true;
   }
   void hear(const bus::SetpointReport& report) {
     const base::SetpointHeard setpoint{report.session, report.counter, report.setpoint.run};
@@ -157,6 +161,7 @@ class Loop {
     logged_ = now;
     logged_state_ = output.state;
     logged_obeys_ = output.obeys;
+    service_.status(trouble.empty() ? to_string(output.state) : trouble);
     if (!trouble.empty()) {
       spdlog::error("{}: {}", to_string(output.state), trouble);
     } else if (output.obeys != 0) {
@@ -179,6 +184,7 @@ class Loop {
 
   /// Zeros are the last thing the wheels hear; three times, because a line or a datagram may be lost.
   void end() {
+    service_.stopping();
     publish_ = true;
     const base::BaseOutput zeros{base::BaseState::waiting, {}, 0};
     for (int i = 0; i < 3; ++i) {
@@ -192,6 +198,7 @@ class Loop {
   base::Base& base_;
   Driver& driver_;
   bus::Bus& bus_;
+  ServiceNotify& service_;
   const std::int64_t period_us_;
   const MonotonicTime started_;
   MonotonicTime next_period_;
@@ -211,9 +218,9 @@ class Loop {
 
 }  // namespace
 
-void base_loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus) {
+void base_loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus, ServiceNotify& service) {
   try {
-    Loop(config, base, driver, bus).run();
+    Loop(config, base, driver, bus, service).run();
   } catch (...) {
     driver.drive({}, monotonic_now());
     driver.drain();

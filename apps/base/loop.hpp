@@ -5,6 +5,7 @@
 #include "driver.hpp"
 #include "pilotfish/base/base.hpp"
 #include "pilotfish/bus/bus.hpp"
+#include "service_notify.hpp"
 
 namespace pilotfish::apps {
 
@@ -21,6 +22,6 @@ class AnotherBase : public std::runtime_error {
 
 /// Commands in, wheel speeds out, until a stop signal comes; then zeros. All the waiting, the clock reading and the
 /// publishing around Base::step, and nothing else. Throws AnotherBase before anything has moved.
-void base_loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus);
+void base_loop(const BaseLoopConfig& config, base::Base& base, Driver& driver, bus::Bus& bus, ServiceNotify& service);
 
 }  // namespace pilotfish::apps

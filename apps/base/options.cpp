@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "exit_codes.hpp"
+#include "version.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -30,6 +31,7 @@ ParsedBaseOptions parse_base_options(int argc, char** argv) {
   BaseOptions options;
   CLI::App app{"Owns the wheels: obeys one coordinator, and stops them when that is gone."};
   app.footer(kExamples);
+  app.set_version_flag("--version", std::string("pilotfish-base ") + kVersion, "print the version and end");
   auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/base.yaml");
   app.add_option("--driver", options.driver,
                  "what turns the wheels: dry_run, simulator or serial:DEVICE; instead of the configuration's");

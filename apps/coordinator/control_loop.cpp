@@ -3,82 +3,25 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <iostream>
+#include <chrono>
 
-#include "frame_clock.hpp"
 #include "latency_watch.hpp"
 #include "pilotfish/core/angles.hpp"
-#include "stop_signal.hpp"
+#include "reporter.hpp"
+#include "simulated_clock.hpp"
 #include "translate.hpp"
 
 namespace pilotfish::apps {
 namespace {
 
-double seconds(MonotonicClock::duration duration) { return std::chrono::duration<double>(duration).count(); }
-
-/// Everything that leaves the program, in the order command (the wheels wait), observation, status, log, JSON.
-class Reporter {
- public:
-  Reporter(const LoopConfig& config, const Coordinator& coordinator, bus::Bus& bus, const Refused& refused,
-           const SetpointGate& gate)
-      : config_(config), coordinator_(coordinator), bus_(bus), refused_(refused), gate_(gate) {}
-
-  void report(const StepResult& result, std::int64_t image_utime, const StepTiming& timing) {
-    bus_.publish(config_.robot, command_report(result, image_utime, gate_.session(), ++counter_));
-    bus_.publish(config_.robot, observation_report(result, timing));
-    bus::StatusReport status = status_report(result, coordinator_, timing, bus_.rejected());
-    status.configured_latency_s = config_.configured_latency_s;
-    status.session = gate_.session();
-    status.setpoint_counter = gate_.last_counter();
-    for (const auto& [name, count] : refused_.setpoints) status.rejected[name] += count;
-    status.rejected["frames_stale"] = stale_;
-    if (refused_.own_motion > 0) status.rejected["own_motion_unusable"] = refused_.own_motion;
-    if (refused_.announcement > 0) status.rejected["announcement_unusable"] = refused_.announcement;
-    bus_.publish(config_.robot, status);
-    log_change(result);
-  }
-  void answer_again(const StepResult& result, std::int64_t image_utime) {
-    bus_.publish(config_.robot, command_report(result, image_utime, gate_.session(), ++counter_));
-  }
-  void print(const StepResult& result, const StepTiming& timing) const {
-    if (config_.json) std::cout << json_line(result, timing) << std::endl;
-  }
-  void count_stale() { ++stale_; }
-
- private:
-  /// One line per change of status or reason, however many frames it lasts.
-  void log_change(const StepResult& result) {
-    if (logged_ && logged_status_ == result.status && logged_reason_ == result.reason) return;
-    logged_ = true;
-    logged_status_ = result.status;
-    logged_reason_ = result.reason;
-    const std::string_view reason = to_string(result.reason);
-    if (result.observation) {
-      spdlog::info("{}{}{}  d = {:.3f} m, bearing = {:.1f} deg", to_string(result.status), reason.empty() ? "" : ": ",
-                   reason, result.observation->distance_m, degrees(result.observation->bearing_rad));
-    } else {
-      spdlog::info("{}{}{}", to_string(result.status), reason.empty() ? "" : ": ", reason);
-    }
-  }
-
-  const LoopConfig& config_;
-  const Coordinator& coordinator_;
-  bus::Bus& bus_;
-  const Refused& refused_;
-  const SetpointGate& gate_;
-  std::int64_t counter_ = 0;
-  std::int64_t stale_ = 0;
-  bool logged_ = false;
-  Status logged_status_ = Status::searching;
-  Reason logged_reason_ = Reason::none;
-};
+double seconds_between(MonotonicTime from, MonotonicTime to) { return static_cast<double>(to.us - from.us) * 1e-6; }
 
 /// Frames per second over roughly the last ten frames.
 class RateMeter {
  public:
-  double arrived(MonotonicClock::time_point at) {
+  double arrived(MonotonicTime at) {
     if (last_) {
-      const double interval_s = std::max(seconds(at - *last_), 1e-6);
+      const double interval_s = std::max(seconds_between(*last_, at), 1e-6);
       interval_s_ = interval_s_ > 0.0 ? 0.9 * interval_s_ + 0.1 * interval_s : interval_s;
     }
     last_ = at;
@@ -86,73 +29,129 @@ class RateMeter {
   }
 
  private:
-  std::optional<MonotonicClock::time_point> last_;
+  std::optional<MonotonicTime> last_;
   double interval_s_ = 0.0;
 };
 
-std::int64_t wall_utime() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
+class Loop {
+ public:
+  Loop(const LoopConfig& config, const LoopParts& parts, Coordinator& coordinator)
+      : config_(config),
+        parts_(parts),
+        coordinator_(coordinator),
+        reporter_(config, parts, coordinator),
+        latency_(config) {}
+
+  void run() {
+    const std::chrono::microseconds period(static_cast<std::int64_t>(1e6 / config_.frame_rate_hz));
+    const std::chrono::microseconds patience = parts_.pull ? std::chrono::microseconds(0) : period + period / 2;
+    while (!parts_.stop_requested()) {
+      parts_.progress();
+      Inbox::Taken taken = parts_.inbox.take(patience);
+      for (const Told& told : taken.told) std::visit([this](const auto& each) { hear(each); }, told);
+      if (parts_.pull) {
+        std::optional<Frame> frame = parts_.pull();
+        if (!frame) return;
+        look_at(*frame, monotonic_now());
+      } else if (taken.frame) {
+        if (const std::optional<Frame> frame = taken.frame->decode()) look_at(*frame, taken.frame->at);
+      } else if (taken.told.empty()) {
+        reporter_.report(coordinator_.command_at(now()), timing_);  // the sender sends the command itself
+      }
+    }
+  }
+
+ private:
+  /// For questions between frames, on the frames' clock.
+  MonotonicTime now() const { return config_.simulated ? clock_.now() : monotonic_now(); }
+
+  void look_at(const Frame& frame, MonotonicTime arrival) {
+    if (last_utime_ == frame.utime && !parts_.pull) {
+      // The same picture again: a simulator asks for an answer that got lost. The old one holds while it is fresh.
+      parts_.sender.answer_again(frame.utime);
+      return;
+    }
+    last_utime_ = frame.utime;
+    timing_.frame_rate_hz = rate_.arrived(arrival);
+    const MonotonicTime begin = monotonic_now();
+    StepResult result = coordinator_.step(frame, config_.simulated ? clock_.at(frame.utime, arrival) : arrival);
+    const MonotonicTime end = monotonic_now();
+    timing_.processing_s = seconds_between(begin, end);
+    const HeldAnswer sent = parts_.sender.answer(result, coordinator_.held(), frame.utime);
+    const MonotonicTime left = monotonic_now();
+    reporter_.waited.add(seconds_between(arrival, begin));
+    reporter_.looked.add(timing_.processing_s);
+    reporter_.answered.add(seconds_between(arrival, left));
+    result.command = sent.command;
+    result.status = sent.status;
+    result.reason = sent.reason;
+    latency_.answered(seconds_between(arrival, left), frame.known_age_us, timing_);
+    count_epochs();
+    reporter_.report(result, timing_);
+    reporter_.print(result, timing_);
+  }
+
+  void hear(const ToldSetpoint& told) {
+    if (!coordinator_.set_setpoint(told.setpoint)) {
+      ++reporter_.refused["setpoint_too_near"];
+      return;
+    }
+    reporter_.setpoint_counter = std::max(reporter_.setpoint_counter, told.counter);
+    parts_.sender.told(coordinator_.held(), told.stops_heard);
+    log_setpoint();
+  }
+
+  /// A flood of them must not become a flood of lines.
+  void log_setpoint() {
+    const Setpoint& now = coordinator_.setpoint();
+    const MonotonicTime at = monotonic_now();
+    if (logged_setpoint_ && logged_setpoint_->distance_m == now.distance_m &&
+        logged_setpoint_->bearing_rad == now.bearing_rad && logged_setpoint_->run == now.run)
+      return;  // repeated: nothing to say
+    if (logged_setpoint_ && seconds_between(setpoint_logged_at_, at) < kSetpointLines_s) {
+      ++setpoints_not_logged_;
+      return;
+    }
+    logged_setpoint_ = now;
+    setpoint_logged_at_ = at;
+    spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}{}", now.distance_m, degrees(now.bearing_rad),
+                 now.run ? "run" : "stop",
+                 setpoints_not_logged_ > 0 ? " (" + std::to_string(setpoints_not_logged_) + " others not shown)" : "");
+    setpoints_not_logged_ = 0;
+  }
+
+  void hear(const ToldMotion& told) {
+    const bool used = told.of_the_leader ? coordinator_.set_announced_motion(told.utime, told.twist)
+                                         : coordinator_.set_own_motion(told.utime, told.twist);
+    if (!used) ++reporter_.refused[told.of_the_leader ? "announcement_unusable" : "own_motion_unusable"];
+  }
+
+  void count_epochs() {
+    if (coordinator_.clock_epochs() == epochs_) return;
+    epochs_ = coordinator_.clock_epochs();
+    spdlog::warn("the clock of the images was set: five of them agree on a new time. Starting from rest");
+  }
+
+  const LoopConfig& config_;
+  const LoopParts& parts_;
+  Coordinator& coordinator_;
+  Reporter reporter_;
+  LatencyWatch latency_;
+  SimulatedClock clock_;
+  RateMeter rate_;
+  StepTiming timing_;
+  std::optional<std::int64_t> last_utime_;
+  static constexpr double kSetpointLines_s = 0.5;
+  std::optional<Setpoint> logged_setpoint_;
+  MonotonicTime setpoint_logged_at_;
+  std::int64_t setpoints_not_logged_ = 0;
+  std::int64_t epochs_ = 0;
+};
 
 }  // namespace
 
-void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus,
-                  const Refused& refused, const SetpointGate& gate) {
-  const auto period =
-      std::chrono::duration_cast<MonotonicClock::duration>(std::chrono::duration<double>(1.0 / config.frame_rate_hz));
-  // A frame that is a little late is no reason for a heartbeat of its own.
-  const auto patience = period + period / 2;
-  FrameClock clock(wall_utime(), MonotonicClock::now());
-  RateMeter rate;
-  Reporter reporter(config, coordinator, bus, refused, gate);
-  LatencyWatch latency(config);
-  StepTiming timing;
-  auto next_beat = MonotonicClock::now() + patience;
-
-  while (!stop_requested()) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(next_beat - MonotonicClock::now());
-    const std::optional<Arrival> arrival = feed.wait(std::max(left, std::chrono::milliseconds(1)));
-    if (feed.ended()) break;
-    bus.handle(0);  // setpoints, odometry, announcements
-
-    if (!arrival) {
-      const auto now = MonotonicClock::now();
-      if (now < next_beat) continue;
-      reporter.report(coordinator.without_frame(clock.utime_at(now)), clock.last_utime().value_or(0), timing);
-      next_beat = now + period;
-      continue;
-    }
-    if (clock.last_utime() == arrival->frame.utime && !config.every_frame) {
-      // The same picture again: the simulator asks for an answer that got lost. The old one holds while it is fresh.
-      reporter.answer_again(coordinator.without_frame(clock.utime_at(arrival->at)), arrival->frame.utime);
-      continue;
-    }
-    timing.frame_rate_hz = rate.arrived(arrival->at);
-    if (!config.every_frame && clock.wall_clock_jumped(wall_utime(), MonotonicClock::now()))
-      spdlog::warn("the wall clock has been set; images stamped before that count as too old");
-    clock.arrived(*arrival);
-    StepResult result;
-    if (!config.every_frame && clock.is_stale(*arrival, config.max_age_s)) {
-      reporter.count_stale();
-      result = coordinator.without_frame(clock.utime_at(arrival->at), Reason::frame_stale);
-    } else {
-      const auto begin = MonotonicClock::now();
-      result = coordinator.step(arrival->frame);
-      timing.processing_s = seconds(MonotonicClock::now() - begin);
-    }
-    latency.answered(*arrival, clock, timing);
-    reporter.report(result, arrival->frame.utime, timing);
-    reporter.print(result, timing);
-    next_beat = MonotonicClock::now() + patience;
-  }
-
-  // Zeros are the last thing the wheels hear; three times, because a datagram may be lost.
-  Setpoint stop = coordinator.setpoint();
-  stop.run = false;
-  coordinator.set_setpoint(stop);
-  const StepResult zeros = coordinator.without_frame(clock.utime_at(MonotonicClock::now()));
-  for (int i = 0; i < 3; ++i) reporter.report(zeros, clock.last_utime().value_or(0), timing);
+void control_loop(const LoopConfig& config, const LoopParts& parts, Coordinator& coordinator) {
+  Loop(config, parts, coordinator).run();
 }
 
 }  // namespace pilotfish::apps

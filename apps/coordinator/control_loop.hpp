@@ -1,35 +1,45 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <functional>
+#include <optional>
 #include <string>
 
-#include "frame_feed.hpp"
+#include "command_sender.hpp"
+#include "inbox.hpp"
+#include "log.hpp"
 #include "pilotfish/bus/bus.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
-#include "pilotfish/core/session_guard.hpp"
 
 namespace pilotfish::apps {
 
 struct LoopConfig {
-  std::string robot;            ///< name on the bus
-  double frame_rate_hz = 30.0;  ///< also the rate at which zeros go out when no frame comes
-  double max_age_s = 0.1;
-  bool every_frame = false;  ///< the feed is a file: no heartbeat between its frames
+  std::string robot;  ///< name on the bus
+  std::int64_t session = 0;
+  double frame_rate_hz = 30.0;  ///< also the rate at which the status goes out when no frame comes
+  bool simulated = false;       ///< frames carry a simulated time
   bool json = false;
   double configured_latency_s = 0.0;  ///< control.drive.latency_s, to compare with the measured one
 };
 
-/// What was heard on the bus and the coordinator could not use.
-struct Refused {
-  std::int64_t own_motion = 0;
-  std::int64_t announcement = 0;
-  std::map<std::string, std::int64_t> setpoints;  ///< by SetpointVerdict
+/// What others count, for the status: refused by the bus, ...
+using Counters = std::map<std::string, std::int64_t>;
+
+/// Everything around the loop that looks.
+struct LoopParts {
+  Inbox& inbox;
+  /// Files: the next frame whenever it is asked for, nothing at the end. Empty: frames come into the inbox.
+  std::function<std::optional<Frame>()> pull;
+  CommandSender& sender;
+  bus::Bus& reports;  ///< for observation and status; used by this thread alone
+  Log& log;
+  std::function<Counters()> refused;
+  std::function<bool()> stop_requested;
+  std::function<void()> progress;  ///< called at every turn
 };
 
-/// Frames in, commands out, until the feed ends or a stop signal comes; then zeros. All the waiting, the clock reading
-/// and the publishing around Coordinator::step, and nothing else.
-void control_loop(const LoopConfig& config, FrameFeed& feed, Coordinator& coordinator, bus::Bus& bus,
-                  const Refused& refused, const SetpointGate& gate);
+/// Looks: takes the newest frame, steps the coordinator, hands the answer to the sender of commands, reports. It may
+/// take as long as it takes; the wheels do not wait for it. Returns when the source has ended or a stop was requested.
+void control_loop(const LoopConfig& config, const LoopParts& parts, Coordinator& coordinator);
 
 }  // namespace pilotfish::apps

@@ -7,16 +7,14 @@
 
 namespace pilotfish::apps {
 
-void LatencyWatch::answered(const Arrival& arrival, const FrameClock& clock, StepTiming& timing) {
-  const auto now = MonotonicClock::now();
-  timing.latency_s = std::chrono::duration<double>(now - arrival.at).count();
-  const std::optional<double> since_exposure_s = clock.since_exposure_s(arrival, now);
-  last_[next_] = since_exposure_s.value_or(timing.latency_s);
+void LatencyWatch::answered(double since_arrival_s, std::int64_t known_age_us, StepTiming& timing) {
+  timing.latency_s = since_arrival_s;
+  timing.from_exposure = known_age_us > 0;
+  last_[next_] = since_arrival_s + std::max(static_cast<double>(known_age_us) * 1e-6, 0.0);
   next_ = (next_ + 1) % kFrames;
   count_ = std::min(count_ + 1, kFrames);
   timing.median_latency_s = median_s();
-  timing.from_exposure = since_exposure_s.has_value();
-  if (timing.from_exposure && count_ == kFrames && !config_.every_frame) warn_once(timing.median_latency_s);
+  if (timing.from_exposure && count_ == kFrames && !config_.simulated) warn_once(timing.median_latency_s);
 }
 
 double LatencyWatch::median_s() const {

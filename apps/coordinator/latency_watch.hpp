@@ -4,19 +4,20 @@
 #include <cstddef>
 
 #include "control_loop.hpp"
-#include "frame_clock.hpp"
 #include "translate.hpp"
 
 namespace pilotfish::apps {
 
 /// From a frame to the command that answers it: the median of the last frames, so that one late frame does not count.
-/// Says so once if the configuration says otherwise: who looks too short a way ahead swings.
+/// Says so once if the configuration says otherwise: a horizon shorter than the loop's delay makes the command
+/// oscillate.
 class LatencyWatch {
  public:
   explicit LatencyWatch(const LoopConfig& config) : config_(config) {}
 
-  /// The command that answers the frame leaves now. Fills in the latencies of `timing`.
-  void answered(const Arrival& arrival, const FrameClock& clock, StepTiming& timing);
+  /// since_arrival_s: until the command left. known_age_us: Frame's, from exposure to arrival; 0: unknown. Fills in the
+  /// latencies of `timing`.
+  void answered(double since_arrival_s, std::int64_t known_age_us, StepTiming& timing);
 
  private:
   double median_s() const;

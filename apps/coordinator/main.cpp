@@ -1,27 +1,44 @@
-// pilotfish-coordinator: the onboard program. Reads the configuration, opens the bus and the source, hands both to the
-// control loop. Nothing is opened before the configuration is known to be good.
+// pilotfish-coordinator: the onboard program. Reads the configuration, opens the bus and the source, starts its
+// threads:
+//
+//   BusListener   everything that comes over the bus --> Inbox
+//   CameraReader  a live camera's frames             --> Inbox
+//   control_loop  Inbox --> Coordinator::step --> CommandSender, observation, status      (the main thread)
+//   CommandSender a command every period and at the deadline, whatever the others do
+//   Supervisor    signals, the service manager, and that the end comes in time
+//
+// Nothing is opened before the configuration is known to be good.
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
+#include <cstdlib>
+#include <functional>
 #include <iostream>
+#include <limits>
 #include <memory>
+#include <thread>
 
+#include "bus_listener.hpp"
+#include "camera_reader.hpp"
+#include "command_sender.hpp"
 #include "control_loop.hpp"
 #include "exit_codes.hpp"
-#include "frame_feed.hpp"
+#include "log.hpp"
 #include "options.hpp"
 #include "pilotfish/bus/log_reader.hpp"
 #include "pilotfish/capture/frame_source.hpp"
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
+#include "real_time.hpp"
+#include "service_notify.hpp"
+#include "standard_streams.hpp"
 #include "stop_signal.hpp"
+#include "supervisor.hpp"
 
 namespace pilotfish::apps {
 namespace {
-
-constexpr double kStopDistance_m = 0.40;
 
 config::CoordinatorFile load(const Options& options) {
   config::CoordinatorFile file = config::load_coordinator(options.config_path);
@@ -61,46 +78,38 @@ void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
   spdlog::info("bus {} (receive buffer {} bytes)", bus.url(), bus.receive_buffer_bytes());
 }
 
-struct OpenedFeed {
-  std::unique_ptr<FrameFeed> feed;
+struct OpenedSource {
   std::string description;
-  bool every_frame = false;
+  std::function<std::optional<Frame>()> pull;  ///< files
+  std::unique_ptr<CameraReader> camera;
 };
 
-OpenedFeed open_feed(const config::CoordinatorFile& file, bus::Bus& bus) {
+OpenedSource open_source(const config::CoordinatorFile& file, const std::shared_ptr<Inbox>& inbox) {
   using Kind = SourceSpec::Kind;
   const SourceSpec spec = parse_source(file.source);
   const std::string image_channel = bus::channel(file.name, "IMAGE");
   const auto pull = [](const std::shared_ptr<capture::FrameSource>& source) {
-    return OpenedFeed{pull_feed([source] { return source->next(); }), source->describe(), true};
+    return OpenedSource{source->describe(), [source] { return source->next(); }, nullptr};
   };
   switch (spec.kind) {
     case Kind::camera: {
-      const auto open = [index = std::stoi(spec.argument), camera = file.coordinator.camera,
-                         rate = file.frame_rate_hz] {
+      const OpenSource open = [index = std::stoi(spec.argument), camera = file.coordinator.camera,
+                               rate = file.frame_rate_hz] {
         return capture::open_camera(index, camera.width, camera.height, rate);
       };
       auto source = open();
       const std::string description = source->describe();
-      return {camera_feed(std::move(source), open), description, false};
+      return {description, nullptr, std::make_unique<CameraReader>(std::move(source), open, inbox)};
     }
     case Kind::video: return pull(capture::open_video(spec.argument));
     case Kind::images: return pull(capture::open_images(spec.argument, file.frame_rate_hz));
     case Kind::log: {
       auto reader = std::make_shared<bus::LogReader>(spec.argument, image_channel);
-      return {pull_feed([reader] { return reader->next(); }), image_channel + " in " + spec.argument, true};
+      return {image_channel + " in " + spec.argument, [reader] { return reader->next(); }, nullptr};
     }
     case Kind::lcm: break;
   }
-  const std::string channel = spec.argument.empty() ? image_channel : spec.argument;
-  return {bus_feed(bus, channel), "LCM channel " + channel, false};
-}
-
-void log_to(bool standard_error) {
-  auto logger = standard_error ? spdlog::stderr_color_mt("pilotfish") : spdlog::stdout_color_mt("pilotfish");
-  logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
-  logger->flush_on(spdlog::level::info);
-  spdlog::set_default_logger(logger);
+  return {"LCM channel " + (spec.argument.empty() ? image_channel : spec.argument), nullptr, nullptr};
 }
 
 int fail(int code, const std::string& message) {
@@ -108,52 +117,95 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
-/// Everything that a coordinator may be told between frames.
-void listen(const config::CoordinatorFile& file, bus::Bus& bus, Coordinator& coordinator, Refused& refused,
-            SetpointGate& gate) {
-  bus.on_setpoint(file.name, [&](const bus::SetpointReport& asked) {
-    const SetpointDecision decision = gate.decide(asked.session, asked.counter, asked.setpoint, coordinator.setpoint());
-    if (decision.verdict != SetpointVerdict::accepted && decision.verdict != SetpointVerdict::stopped) {
-      ++refused.setpoints[std::string(to_string(decision.verdict))];
-      return;
-    }
-    const Setpoint& setpoint = decision.setpoint;
-    coordinator.set_setpoint(setpoint);
-    spdlog::info("setpoint: {:.2f} m at {:.1f} deg, {}", setpoint.distance_m, degrees(setpoint.bearing_rad),
-                 setpoint.run ? "run" : "stop");
-  });
-  if (file.odometry == config::Odometry::pose)
-    bus.on_pose(file.name, [&](const bus::MotionReport& own) {
-      if (!coordinator.set_own_motion(own.utime, own.twist)) ++refused.own_motion;
-    });
-  if (!file.announcements_from.empty())
-    bus.on_motion(file.announcements_from, [&](const bus::MotionReport& leader) {
-      if (!coordinator.set_announced_motion(leader.utime, leader.twist)) ++refused.announcement;
-    });
+/// A coordinator that starts listens for another one of its name for so long; those speak every 50 ms.
+constexpr int kRivalWithin_ms = 300;
+
+bool is_replay(const std::string& source) {
+  using Kind = SourceSpec::Kind;
+  const Kind kind = parse_source(source).kind;
+  return kind == Kind::video || kind == Kind::images || kind == Kind::log;
 }
 
-int run(const Options& options) {
-  const config::CoordinatorFile file = load(options);
+/// What is replayed does not speak on a live bus, unless that is asked for.
+std::string bus_url(const Options& options, bool replay) {
+  if (!replay || options.live) return options.lcm_url;
+  return options.lcm_url.empty() ? "memq://" : options.lcm_url;
+}
+
+int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   std::optional<bus::Key> key;
   if (!file.key_file.empty()) key = bus::load_key(file.key_file);
   Coordinator coordinator(file.coordinator);
-  Refused refused;
-  try {
-    bus::Bus bus(options.lcm_url);
-    if (key) bus.set_key(*key);
-    SetpointGate gate(bus::new_session_id(), kStopDistance_m);
-    OpenedFeed source = open_feed(file, bus);
-    listen(file, bus, coordinator, refused, gate);
-    announce(file, bus);
-    spdlog::info("ready: {}", source.description);
-    const LoopConfig loop{file.name,          file.frame_rate_hz, file.coordinator.safety.max_age_s,
-                          source.every_frame, options.json,       file.coordinator.control.drive.latency_s};
-    control_loop(loop, *source.feed, coordinator, bus, refused, gate);
-  } catch (const bus::BusError& error) {
-    return fail(kUnavailable, error.what());
-  } catch (const capture::CaptureError& error) {
-    return fail(kUnavailable, error.what());
+  const bool replay = is_replay(file.source), simulated = replay || options.simulated_time;
+  const std::int64_t session = bus::new_session_id();
+  const SourceSpec spec = parse_source(file.source);
+  const auto inbox = std::make_shared<Inbox>();
+
+  ListenerConfig listening;
+  listening.robot = file.name;
+  listening.url = bus_url(options, replay);
+  listening.key = key;
+  listening.session = session;
+  listening.stop_distance_m = file.coordinator.safety.stop_distance_m;
+  listening.setpoint = file.coordinator.setpoint;
+  if (spec.kind == SourceSpec::Kind::lcm)
+    listening.image_channel = spec.argument.empty() ? bus::channel(file.name, "IMAGE") : spec.argument;
+  listening.width = file.coordinator.camera.width;
+  listening.height = file.coordinator.camera.height;
+  listening.simulated = simulated;
+  listening.odometry = file.odometry == config::Odometry::pose;
+  listening.announcements_from = file.announcements_from;
+  BusListener listener(listening, inbox);
+  if (const auto rival = listener.rival_within(listener.bus().receive_buffer_bytes() > 0 ? kRivalWithin_ms : 0))
+    return fail(kUnavailable, "another coordinator (session " + std::to_string(*rival) + ") already commands " +
+                                  file.name + " on " + listener.bus().url() +
+                                  "; end it, or give this one another --name or --lcm-url");
+  OpenedSource source = open_source(file, inbox);
+
+  bus::Bus commands(listening.url), reports(listening.url);
+  if (key) {
+    commands.set_key(*key);
+    reports.set_key(*key);
   }
+  // After these no command of this session counts any more.
+  bus::CommandReport dying;
+  dying.session = session;
+  dying.counter = std::numeric_limits<std::int64_t>::max();
+  dying.status = Status::invalid_input;
+  dying.reason = Reason::internal_error;
+  const std::unique_ptr<bus::LastWords> last_words = commands.last_words(file.name, dying);
+  set_last_words(last_words.get());
+
+  lock_memory();
+  const SenderConfig sending{session, file.frame_rate_hz, file.coordinator.safety.max_age_s, simulated};
+  CommandSender sender(sending, [&](const bus::CommandReport& report) { commands.publish(file.name, report); });
+  Supervisor supervisor(sender, *inbox);
+  listener.start(sender, [&](const std::string& problem) { supervisor.fail("the bus: " + problem); });
+
+  announce(file, listener.bus());
+  if (simulated) spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels will not obey");
+  spdlog::info("ready: {}", source.description);
+  const LoopConfig loop{file.name, session,      file.frame_rate_hz,
+                        simulated, options.json, file.coordinator.control.drive.latency_s};
+  supervisor.ready(source.description);
+  const LoopParts parts{*inbox,
+                        source.pull,
+                        sender,
+                        reports,
+                        log,
+                        [&] { return listener.refused(); },
+                        [&] { return supervisor.stop_requested(); },
+                        [&] { supervisor.looked(); }};
+  try {
+    control_loop(loop, parts, coordinator);
+  } catch (const std::exception& error) {
+    supervisor.fail(error.what());
+  }
+  sender.finish(Reason::told_to_stop);
+  source.camera.reset();
+  listener.stop();
+  set_last_words(nullptr);
+  if (supervisor.failed()) return kSoftware;
   spdlog::info("ended; zero commands sent");
   return kOk;
 }
@@ -164,19 +216,35 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace pilotfish;
   using namespace pilotfish::apps;
+  fill_missing_standard_streams();
   const ParsedOptions parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
-  if (parsed.options.describe_config) {
+  const Options& options = parsed.options;
+  if (options.describe_config) {
     std::cout << config::describe_config();
     return kOk;
   }
-  catch_stop_signals();
-  log_to(parsed.options.json);
+  int code = kSoftware;
+  block_stop_signals();  // before the first thread, which inherits it
   try {
-    return run(parsed.options);
+    const config::CoordinatorFile file = load(options);
+    const bool replay = is_replay(file.source);
+    if (replay && !options.live && options.lcm_url.rfind("memq://", 0) != 0 && !options.lcm_url.empty())
+      return fail(kUsage, "--source " + file.source + " would be replayed on " + options.lcm_url +
+                              ", where it could drive a robot; say --live if you mean that");
+    Log log({options.json, !replay});
+    try {
+      code = run(options, file, log);
+    } catch (const bus::BusError& error) {
+      code = fail(kUnavailable, error.what());
+    } catch (const capture::CaptureError& error) {
+      code = fail(kUnavailable, error.what());
+    }
+    if (!log.drain()) std::_Exit(code);  // a thread is stuck in write(2), and joining it would never end
   } catch (const ConfigError& error) {
     return fail(kConfig, std::string("bad configuration: ") + error.what());
   } catch (const std::exception& error) {
     return fail(kSoftware, error.what());
   }
+  return code;
 }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "exit_codes.hpp"
+#include "version.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -16,13 +17,16 @@ constexpr const char* kExamples = R"(
 Examples
   pilotfish-coordinator --config coordinator.yaml --source camera:0
       drive, looking through the first camera
-  pilotfish-coordinator --config coordinator.yaml --source images:run1 --lcm-url memq:// --json
+  pilotfish-coordinator --config coordinator.yaml --source images:run1 --json
       what it would have done on a folder of pictures: one JSON object per frame, nothing on the network
   pilotfish-coordinator --config line.yaml
-      wait for images on ROBOT1_IMAGE, as pilotfish-sim publishes them
+      wait for images on ROBOT1_IMAGE, as a camera's program or pilotfish-sim --realtime publishes them
+  pilotfish-coordinator --config line.yaml --simulated-time
+      the same for pilotfish-sim in lock-step
 
-Ends with 0 when the source ends or on SIGINT/SIGTERM (after sending zero commands), 64 on a wrong command line,
-69 if the source or the bus cannot be opened, 78 on a bad configuration (the message names the key).
+Ends with 0 when the source ends or on SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1/2 (after sending zero commands), 64 on a
+wrong command line, 69 if the source or the bus cannot be opened or another coordinator has this name, 70 if it failed
+inside (zeros first), 78 on a bad configuration (the message names the key).
 The keys of the configuration: pilotfish-coordinator --describe-config)";
 
 }  // namespace
@@ -48,6 +52,7 @@ ParsedOptions parse_options(int argc, char** argv) {
   Options options;
   CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM."};
   app.footer(kExamples);
+  app.set_version_flag("--version", std::string("pilotfish-coordinator ") + kVersion, "print the version and end");
   auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/coordinator.yaml");
   app.add_option("--source", options.source, std::string("where frames come from: ") + kSources);
   app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");
@@ -63,6 +68,11 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(CLI::IsMember({"none", "pose"}));
   app.add_option("--announcements-from", options.announcements_from,
                  "the leader's name on the bus, to hear what it announces on its NAME_MOTION; none: nobody");
+  app.add_flag(
+      "--simulated-time", options.simulated_time,
+      "time passes as the images' stamps say, for pilotfish-sim in lock-step: real wheels do not obey such commands");
+  app.add_flag("--live", options.live,
+               "let files (video:, images:, log:) speak on the bus; otherwise they stay inside this process");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
   app.add_flag("--describe-config", options.describe_config,
                "print every key of the configuration as Markdown and end");

@@ -23,6 +23,8 @@ struct Options {
   std::optional<std::string> odometry;
   std::optional<std::string> announcements_from;
   std::string lcm_url;
+  bool simulated_time = false;
+  bool live = false;
   bool json = false;
   bool describe_config = false;
 };

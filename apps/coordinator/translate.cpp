@@ -4,18 +4,6 @@
 
 namespace pilotfish::apps {
 
-bus::CommandReport command_report(const StepResult& result, std::int64_t image_utime, std::int64_t session,
-                                  std::int64_t counter) {
-  bus::CommandReport report;
-  report.utime = image_utime;
-  report.session = session;
-  report.counter = counter;
-  report.command = result.command;
-  report.status = result.status;
-  report.reason = result.reason;
-  return report;
-}
-
 bus::ObservationReport observation_report(const StepResult& result, const StepTiming& timing) {
   return {result.utime, result.observation, result.reason, timing.latency_s};
 }

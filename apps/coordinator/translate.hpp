@@ -16,8 +16,6 @@ struct StepTiming {
   bool from_exposure = false;     ///< that one; else from the arrival
 };
 
-bus::CommandReport command_report(const StepResult& result, std::int64_t image_utime, std::int64_t session,
-                                  std::int64_t counter);
 bus::ObservationReport observation_report(const StepResult& result, const StepTiming& timing);
 bus::StatusReport status_report(const StepResult& result, const Coordinator& coordinator, const StepTiming& timing,
                                 const std::map<std::string, std::int64_t>& rejected_by_bus);

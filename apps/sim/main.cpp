@@ -11,6 +11,7 @@
 #include "pilotfish/config/scenario_file.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "play.hpp"
+#include "standard_streams.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {
@@ -82,6 +83,7 @@ int run(const SimOptions& options) {
 int main(int argc, char** argv) {
   using namespace pilotfish;
   using namespace pilotfish::apps;
+  fill_missing_standard_streams();
   const ParsedSimOptions parsed = parse_sim_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   catch_stop_signals();

@@ -1,8 +1,12 @@
 #include "options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <limits>
+#include <sstream>
 
 #include "exit_codes.hpp"
+#include "pilotfish/core/number.hpp"
+#include "version.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -26,6 +30,20 @@ scenario is sent on NAME_SETPOINT until the coordinator's NAME_STATUS shows it; 
 Ends with 0 when the scenario is over or on SIGINT/SIGTERM, 64 on a wrong command line, 69 if the bus or the recording
 cannot be opened, 70 if a coordinator does not answer, 78 on a bad scenario or key (the message says which).)";
 
+/// CLI11's own ranges let NaN pass, and write out their bounds with 309 digits.
+template <class Value>
+CLI::Validator within(Value min, Value max) {
+  std::ostringstream range;
+  range << min << " to " << max;
+  const auto refuse = [min, max, text = range.str()](const std::string& given) {
+    const auto value = number_from<Value>(given);
+    return value && *value >= min && *value <= max ? std::string() : "'" + given + "' is not a number from " + text;
+  };
+  return {refuse, range.str()};
+}
+
+constexpr double kLongest_s = 1e5;  // as Scenario::duration_s
+
 }  // namespace
 
 ParsedSimOptions parse_sim_options(int argc, char** argv) {
@@ -34,6 +52,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   std::string driven_by = "coordinator";
   CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus."};
   app.footer(kExamples);
+  app.set_version_flag("--version", std::string("pilotfish-sim ") + kVersion, "print the version and end");
   app.add_option("--scenario", options.scenario_path, "what to play, e.g. data/scenarios/line.yaml")->required();
   app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
   auto* real_time = app.add_flag("--realtime", options.real_time,
@@ -50,11 +69,11 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
                  "file with the coordinators' key (their key_file), if they have one; made by pilotfish key new");
   app.add_option("--record", options.record_path,
                  "CSV file for the truth and the commands, one row per robot and frame");
-  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(CLI::PositiveNumber);
+  app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(within(0.0, kLongest_s));
   app.add_option("--seed", options.seed, "of noise, clutter and dropped frames, instead of the scenario's")
-      ->check(CLI::NonNegativeNumber);
+      ->check(within(0, std::numeric_limits<int>::max()));
   app.add_option("--wait-s", options.wait_s, "how long to wait for the first answer of every coordinator")
-      ->check(CLI::PositiveNumber)
+      ->check(within(0.01, kLongest_s))
       ->capture_default_str();
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/sim/awaited_answers.hpp"
 #include "stop_signal.hpp"
 #include "tell_setpoints.hpp"
@@ -104,6 +105,16 @@ void Stage::report_progress() {
   }
 }
 
+void Stage::report_failures() {
+  const auto& rejected = bus_.rejected();
+  const auto found = rejected.find("publish_failed");
+  if (found == rejected.end() || found->second == failed_) return;
+  failed_ = found->second;
+  if (throttle_.due("publish_failed", monotonic_now()))
+    spdlog::warn("{} messages could not be sent on {}: is there a route for it, and is the network up?", failed_,
+                 bus_.url());
+}
+
 Played Stage::play_in_lockstep() {
   sim::AwaitedAnswers awaited(kResendAfter_s, wait_s_);
   for (const std::string& robot : followers_)
@@ -133,12 +144,14 @@ Played Stage::play_in_lockstep() {
         publish_image(robot, pictures.at(robot));
         ++played_.sent_again;
       }
+      report_failures();
       if (const auto silent = awaited.overdue(monotonic_s()); !silent.empty())
         throw no_answer(silent, played_.frames == 0 ? wait_s_ : kAnswerWithin_s, bus_);
     }
     if (!awaited.complete()) break;
     record();
     report_progress();
+    report_failures();
     if (++played_.frames == 1) awaited = sim::AwaitedAnswers(kResendAfter_s, kAnswerWithin_s);
   }
   played_.stopped = stop_requested();
@@ -167,6 +180,7 @@ void Stage::expose_all() {
   }
   record();
   report_progress();
+  report_failures();
   ++played_.frames;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "log_throttle.hpp"
 #include "pilotfish/bus/bus.hpp"
 #include "pilotfish/sim/recorder.hpp"
 #include "pilotfish/sim/world.hpp"
@@ -61,6 +62,7 @@ class Stage {
   void deliver(double now_s);
   void record();
   void report_progress();
+  void report_failures();
   double exposure_s(int frame) const { return frame / world_.scenario().frame_rate_hz; }
 
   sim::World& world_;
@@ -79,6 +81,8 @@ class Stage {
   std::vector<UnderWay> under_way_;
   std::map<std::string, sim::Answer> answers_;  ///< the last of each follower
   double last_progress_s_ = 0.0;                ///< on the monotonic clock
+  std::int64_t failed_ = 0;                     ///< messages that could not be sent, and were spoken of
+  LogThrottle throttle_{10.0};
   Played played_;
 };
 

@@ -163,6 +163,28 @@ void bind_reports(py::module_& m) {
       .def_readwrite("twist", &MotionReport::twist);
 }
 
+void bind_encoded_image(py::module_& m) {
+  py::class_<EncodedImage>(m, "EncodedImage",
+                           "A picture as it came: its header is checked, its pixels are not decoded.")
+      .def_readonly("utime", &EncodedImage::utime)
+      .def_readonly("width", &EncodedImage::width)
+      .def_readonly("height", &EncodedImage::height)
+      .def_property_readonly(
+          "arrival_us", [](const EncodedImage& image) { return image.arrival.us; },
+          "when it reached this host, on CLOCK_BOOTTIME");
+  m.def(
+      "decode",
+      [](const EncodedImage& image, std::optional<std::pair<int, int>> expected_size) {
+        std::string_view rejection;
+        const auto frame = expected_size ? decode(image, {expected_size->first, expected_size->second}, rejection)
+                                         : decode(image, rejection);
+        if (!frame) throw py::value_error(std::string(rejection));
+        return *frame;
+      },
+      py::arg("image"), py::kw_only(), py::arg("expected_size") = py::none(), py::call_guard<py::gil_scoped_release>(),
+      "The Frame of an EncodedImage; expected_size: (width, height). Raises ValueError with the reason.");
+}
+
 }  // namespace
 
 PYBIND11_MODULE(bus, m) {
@@ -186,6 +208,7 @@ PYBIND11_MODULE(bus, m) {
       },
       py::arg("key"), py::arg("channel"), py::arg("encoded"), "The MAC of an encoded command_t or setpoint_t.");
   m.def("new_session_id", &new_session_id, "A positive number drawn at random.");
+  bind_encoded_image(m);
 
   using Release = py::call_guard<py::gil_scoped_release>;
   py::class_<Bus>(m, "Bus", "A connection to the LCM network: what comes in is checked, or counted in `rejected`.")
@@ -214,6 +237,8 @@ PYBIND11_MODULE(bus, m) {
       .def("publish_image", &Bus::publish_image, py::arg("channel"), py::arg("frame"), Release(),
            "Raw if four of them fit into the receive buffer, else as JPEG of quality 95.")
       .def("on_image", &Bus::on_image, py::arg("channel"), py::arg("handler"), Release(), "handler(frame)")
+      .def("on_encoded_image", &Bus::on_encoded_image, py::arg("channel"), py::arg("handler"), Release(),
+           "handler(encoded_image): nothing is decoded until decode(encoded_image)")
       .def("on_setpoint", &Bus::on_setpoint, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def("on_command", &Bus::on_command, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def("on_status", &Bus::on_status, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
@@ -221,6 +246,9 @@ PYBIND11_MODULE(bus, m) {
       .def("on_pose", &Bus::on_pose, py::arg("robot"), py::arg("handler"), Release(),
            "handler(report): what NAME_POSE says of the robot's speed and turn rate")
       .def("on_motion", &Bus::on_motion, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
+      .def_property_readonly(
+          "arrival_us", [](const Bus& bus) { return bus.arrival().us; },
+          "when the message being handled reached this host, on CLOCK_BOOTTIME")
       .def("handle", &Bus::handle, py::arg("timeout_ms"), Release(),
            "Waits up to timeout_ms, then calls the handlers for all messages that have come; returns how "
            "many. A "

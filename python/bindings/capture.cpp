@@ -13,19 +13,24 @@ PYBIND11_MODULE(capture, m) {
 
   py::class_<FrameSource>(m, "FrameSource", "Pictures, one after the other; iterate, or call next().")
       .def("next", &FrameSource::next, py::call_guard<py::gil_scoped_release>(),
-           "The next Frame (0 x 0 if the picture cannot be decoded), None at the end. Blocks until there is "
-           "one.")
+           "The next Frame (0 x 0 if the picture cannot be decoded). None: it has ended, or it is live and none came "
+           "within 0.25 s.")
+      .def_property_readonly("ended", &FrameSource::ended, "True if there will be no more frames")
+      .def_property_readonly("why_ended", &FrameSource::why_ended, "A line for the log; empty while it has not")
       .def_property_readonly("live", &FrameSource::live, "True if frames come whether or not anyone asks")
       .def("describe", &FrameSource::describe, "One line for the log")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", [](FrameSource& source) {
-        std::optional<Frame> frame;
-        {
-          const py::gil_scoped_release release;
-          frame = source.next();
+        while (true) {
+          std::optional<Frame> frame;
+          {
+            const py::gil_scoped_release release;
+            frame = source.next();
+          }
+          if (frame) return *frame;
+          if (source.ended()) throw py::stop_iteration();
+          if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // Ctrl-C while a camera is silent
         }
-        if (!frame) throw py::stop_iteration();
-        return *frame;
       });
 
   m.def("open_images", &open_images,

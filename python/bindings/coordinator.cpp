@@ -52,7 +52,7 @@ void bind_config(py::module_& m) {
 PYBIND11_MODULE(coordinator, m) {
   for (const char* room : {"pilotfish.core", "pilotfish.fuzzy", "pilotfish.vision", "pilotfish.control"})
     py::module_::import(room);
-  m.doc() = "The heart: Coordinator.step(frame) -> StepResult. Pure: no clock, no I/O.";
+  m.doc() = "The heart: Coordinator.step(frame, now_us) -> StepResult. Pure: no clock, no I/O.";
   bind_config(m);
 
   py::class_<StepResult>(m, "StepResult", "What one frame led to.")
@@ -63,20 +63,42 @@ PYBIND11_MODULE(coordinator, m) {
       .def_readonly("control", &StepResult::control, "None unless the law ran in this very frame")
       .def_readonly("command", &StepResult::command);
 
-  py::class_<Coordinator>(m, "Coordinator", "Frame in, StepResult out; all time is the frames' own.")
+  py::class_<HeldCommand>(m, "HeldCommand", "The last command, until its measurement is too old.")
+      .def_readonly("command", &HeldCommand::command)
+      .def_readonly("holding", &HeldCommand::holding)
+      .def_property_readonly("from_us", [](const HeldCommand& held) { return held.from.us; })
+      .def_property_readonly("until_us", [](const HeldCommand& held) { return held.until.us; });
+
+  py::class_<Coordinator>(m, "Coordinator",
+                          "Frame and its arrival in, StepResult out. now_us: monotonic; in a simulation, the simulated "
+                          "time at which the frame arrives.")
       .def(py::init<const CoordinatorConfig&>(), py::arg("config"))
-      .def("step", &Coordinator::step, py::arg("frame"), py::call_guard<py::gil_scoped_release>())
+      .def(
+          "step",
+          [](Coordinator& coordinator, const Frame& frame, std::int64_t now_us) {
+            return coordinator.step(frame, {now_us});
+          },
+          py::arg("frame"), py::arg("now_us"), py::call_guard<py::gil_scoped_release>(),
+          "now_us: when the frame arrived, however long it waited for this call.")
       .def(
           "answer",
           [](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
-             Reason reason) {
-            return coordinator.answer(utime, {observation, observation ? Reason::none : reason});
+             std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
+            return coordinator.answer(utime, {observation, observation ? Reason::none : reason}, {now_us},
+                                      known_age_us);
           },
           "step() without the eyes: what was seen in the frame of that time, or None and why.", py::arg("utime"),
-          py::arg("observation"), py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"))
-      .def("without_frame", &Coordinator::without_frame, py::arg("utime"),
-           py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
-           "What holds at utime if no newer frame has come; changes nothing.")
+          py::arg("observation"), py::arg("now_us"),
+          py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
+      .def(
+          "command_at",
+          [](const Coordinator& coordinator, std::int64_t now_us, Reason reason) {
+            return coordinator.command_at({now_us}, reason);
+          },
+          py::arg("now_us"), py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
+          "What holds then if no newer frame has come; changes nothing.")
+      .def_property_readonly("held", &Coordinator::held)
+      .def_property_readonly("clock_epochs", &Coordinator::clock_epochs, "How often the source's clock was set.")
       .def("set_setpoint", &Coordinator::set_setpoint, py::arg("setpoint"),
            "False, and the old one stays, if a number is out of range or not finite.")
       .def("set_own_motion", &Coordinator::set_own_motion, py::arg("utime"), py::arg("twist"),

@@ -1,4 +1,5 @@
 #include <pybind11/eigen.h>
+#include <pybind11/stl/filesystem.h>
 
 #include "arrays.hpp"
 #include "parameters.hpp"
@@ -6,6 +7,7 @@
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/read_file.hpp"
 #include "pilotfish/core/session_guard.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
@@ -277,6 +279,15 @@ PYBIND11_MODULE(core, m) {
       .def_property_readonly(
           "tags", [](const Observation& o) { return std::vector<TagSighting>(o.tags.begin(), o.tags.end()); });
 
+  m.def(
+      "read_file",
+      [](const std::filesystem::path& file, std::size_t max_bytes) {
+        const FileRead read = read_file(file, max_bytes);
+        if (!read.bytes) throw std::invalid_argument(read.problem);
+        return py::bytes(*read.bytes);
+      },
+      "The bytes of a regular file; ValueError says why not. Never blocks on a pipe, never reads a device.",
+      py::arg("file"), py::arg("max_bytes"));
   m.def(
       "relative_pose",
       [](const DoubleArray& bMo) {

@@ -1,5 +1,5 @@
 """``python -m pilotfish``: the command line."""
 
-from pilotfish.cli import app
+from pilotfish.cli import main
 
-app(prog_name="pilotfish")
+main()

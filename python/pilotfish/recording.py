@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pilotfish.errors import RecordingError
+from pilotfish.files import read_text
 
 FloatArray = NDArray[np.float64]
 
@@ -152,15 +153,17 @@ _OPTIONAL = {name: "nan" for name in COLUMNS if name.startswith("measured_")} | 
 def read_csv(file: str | Path) -> dict[str, Recording]:
     """Every robot's run in a recording, by the robot's name, in the order of the file."""
     file = Path(file)
-    with file.open(newline="") as stream:
-        lines = stream.read().splitlines()
+    lines = read_text(file, RecordingError).splitlines()
     notes = dict(line[1:].strip().partition(": ")[::2] for line in lines if line.startswith("#"))
     reader = csv.DictReader(line for line in lines if line and not line.startswith("#"))
-    if not {"robot", "leader"} <= set(reader.fieldnames or ()):
-        raise RecordingError(f"{file}: not a recording (no columns 'robot' and 'leader')")
     rows: dict[str, list[dict[str, str]]] = {}
-    for row in reader:
-        rows.setdefault(row["robot"], []).append(row)
+    try:
+        if not {"robot", "leader"} <= set(reader.fieldnames or ()):
+            raise RecordingError(f"{file}: not a recording (no columns 'robot' and 'leader')")
+        for row in reader:
+            rows.setdefault(row["robot"], []).append(row)
+    except csv.Error as error:
+        raise RecordingError(f"{file}: not a recording, line {reader.line_num}: {error}") from error
     if not rows:
         raise RecordingError(f"{file}: a header, but no rows")
     try:

@@ -1,7 +1,6 @@
 #include "pilotfish/bus/bus.hpp"
 
 #include <lcm/lcm.h>
-#include <poll.h>
 
 #include <algorithm>
 #include <cctype>
@@ -12,15 +11,14 @@
 #include <vector>
 
 #include "image_codec.hpp"
+#include "liblcm_incoming.hpp"
 #include "multicast.hpp"
 #include "report_codec.hpp"
 #include "status_codec.hpp"
+#include "udpm_receiver.hpp"
 
 namespace pilotfish::bus {
 namespace {
-
-/// More than any honest sender puts into the queues between two calls; a flood must not keep handle() for ever.
-constexpr int kMaxMessagesPerCall = 1000;
 
 std::string url_or_default(const std::string& url) {
   if (!url.empty()) return url;
@@ -55,36 +53,39 @@ std::string channel(const std::string& robot, const std::string& what) {
 // The C API on purpose: lcm-cpp.hpp of 1.3.1 hides that a subscription failed, prints decoding errors instead
 // of reporting them, and lets exceptions run through liblcm's C frames.
 struct Bus::Connection {
-  struct Subscription {
-    Connection* connection;
-    std::function<void(const void* data, std::size_t size_bytes)> decode_and_hand_over;
-  };
+  using Decoder = std::function<void(const WireMessage&)>;
 
   std::string url;
   int receive_buffer_bytes = 0;
   std::optional<Key> key;
   std::size_t turn = 0;  ///< of the counters in a state message
   std::map<std::string, std::int64_t> rejected;
-  std::vector<std::unique_ptr<Subscription>> subscriptions;
-  std::exception_ptr handler_failed;
+  std::multimap<std::string, Decoder> decoders;  ///< by channel
+  MonotonicTime arrival;                         ///< of the message being handled
   bool handling = false;
-  int handled = 0;                      ///< in this call of handle()
-  std::unique_ptr<lcm_t, Destroy> lcm;  // last: its thread ends before anything above goes
+  std::unique_ptr<lcm_t, Destroy> lcm;  ///< publishes; receives what is not udpm
+  std::unique_ptr<Incoming> incoming;   ///< last: it may use lcm
 
-  void count(std::string_view kind) { ++rejected[std::string(kind)]; }
+  void count(std::string_view kind, std::int64_t times = 1) { rejected[std::string(kind)] += times; }
 
   template <class Message>
-  void publish(const std::string& name, const Message& message, std::string_view repaired = {}) {
-    if (!repaired.empty()) count(repaired);
+  std::vector<std::uint8_t> encoded(const std::string& name, const Message& message) const {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-    const int size_bytes = message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    if (message.encode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return {};
     if constexpr (has_mac<Message>) {
       if (key) {  // the mac is the last field
         const Mac mac = message_mac(*key, name, bytes.data(), bytes.size());
         std::copy(mac.begin(), mac.end(), bytes.end() - static_cast<std::ptrdiff_t>(mac.size()));
       }
     }
-    if (size_bytes < 0 || lcm_publish(lcm.get(), name.c_str(), bytes.data(), static_cast<unsigned>(size_bytes)) != 0)
+    return bytes;
+  }
+
+  template <class Message>
+  void publish(const std::string& name, const Message& message, std::string_view repaired = {}) {
+    if (!repaired.empty()) count(repaired);
+    const std::vector<std::uint8_t> bytes = encoded(name, message);
+    if (bytes.empty() || lcm_publish(lcm.get(), name.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) != 0)
       count("publish_failed");
   }
 
@@ -111,58 +112,71 @@ struct Bus::Connection {
   template <class Value>
   void subscribe(const std::string& name, std::function<Checked<Value>(const void*, std::size_t)> decode,
                  std::function<void(Value)> handler) {
-    auto subscription = std::make_unique<Subscription>();
-    subscription->connection = this;
-    subscription->decode_and_hand_over = [this, decode, handler = std::move(handler)](const void* data,
-                                                                                      std::size_t size_bytes) {
-      Checked<Value> checked = decode(data, size_bytes);
+    listen(name, false, [this, decode, handler = std::move(handler)](const WireMessage& message) {
+      Checked<Value> checked = decode(message.payload->data(), message.payload->size());
       if (!checked.rejection.empty()) count(checked.rejection);
       if (checked.value) handler(std::move(*checked.value));
-    };
-    if (lcm_subscribe(lcm.get(), name.c_str(), &Connection::received, subscription.get()) == nullptr)
-      throw BusError("liblcm could not subscribe to " + name + " on " + url);
-    subscriptions.push_back(std::move(subscription));
+    });
   }
 
-  /// Until one message of ours and all behind it are handled, a handler has thrown, a signal has come or the
-  /// time is up.
-  void wait_and_dispatch(std::chrono::milliseconds patience) {
+  void listen(const std::string& name, bool large, Decoder decoder) {
+    incoming->subscribe(name, large);
+    decoders.emplace(name, std::move(decoder));
+  }
+
+  /// All of a message's handlers are called; the first exception of theirs is thrown behind the last.
+  void dispatch(const WireMessage& message) {
+    arrival = message.arrival;
+    std::exception_ptr failed;
+    // By hand: a handler may subscribe to further channels, which leaves iterators of a multimap valid.
+    for (auto decoder = decoders.lower_bound(message.channel);
+         decoder != decoders.end() && decoder->first == message.channel; ++decoder) {
+      try {
+        decoder->second(message);
+      } catch (...) {
+        if (!failed) failed = std::current_exception();
+      }
+    }
+    if (failed) std::rethrow_exception(failed);
+  }
+
+  /// Until one message of ours and all behind it are handled, a handler throws, a signal has come, the time is up,
+  /// or a flood has used up what one call may take. Returns how many were handled.
+  int wait_and_dispatch(std::chrono::milliseconds patience) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point give_up = Clock::now() + patience;
-    // Without a subscription liblcm has no receiver to wait on; a descriptor of -1 makes poll() wait all the same.
-    pollfd waiting{subscriptions.empty() ? -1 : lcm_get_fileno(lcm.get()), POLLIN, 0};
-    do {
+    Budget budget;
+    int handled = 0;
+    for (bool waiting = true; waiting && handled == 0 && !budget.used_up();) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(give_up - Clock::now());
-      if (::poll(&waiting, 1, std::max(static_cast<int>(left.count()), 0)) <= 0) return;
-      // What liblcm calls handled need not be ours: on a busy machine one of its own self-test messages may
-      // be left over.
-      int dispatched = 0;
-      while (dispatched < kMaxMessagesPerCall && !handler_failed && lcm_handle_timeout(lcm.get(), 0) > 0) ++dispatched;
-      if (dispatched == 0) waiting.fd = -1;  // liblcm can give no more, as at the end of a log: let the time pass
-    } while (handled == 0);
-  }
-
-  /// Called from liblcm's C code, which an exception must not cross: the first one is kept for handle() to throw.
-  static void received(const lcm_recv_buf_t* buffer, const char* /*channel*/, void* context) noexcept {
-    auto* subscription = static_cast<Subscription*>(context);
-    ++subscription->connection->handled;
-    try {
-      subscription->decode_and_hand_over(buffer->data, buffer->data_size);
-    } catch (...) {
-      if (!subscription->connection->handler_failed)
-        subscription->connection->handler_failed = std::current_exception();
+      waiting = incoming->wait(std::max(left, std::chrono::milliseconds(0)));
+      while (const auto message = incoming->next(budget)) {
+        ++handled;
+        dispatch(*message);
+      }
     }
+    return handled;
   }
 };
 
 Bus::Bus(const std::string& url) : connection_(std::make_unique<Connection>()) {
   connection_->url = url_or_default(url);
-  if (const auto multicast = parse_multicast_url(connection_->url))
-    connection_->receive_buffer_bytes = check_multicast(*multicast);
+  const auto multicast = parse_multicast_url(connection_->url);
+  if (multicast) connection_->receive_buffer_bytes = check_multicast(*multicast);
   connection_->lcm.reset(lcm_create(connection_->url.c_str()));
   if (!connection_->lcm)
     throw BusError("liblcm cannot open " + connection_->url +
                    "; a URL looks like udpm://239.255.76.67:7667?ttl=0 or memq://");
+  // liblcm 1.3.1 can be crashed, and made to write anywhere, by two datagrams: it never gets to see one.
+  if (multicast) {
+    const Count count = [bus = connection_.get()](std::string_view kind, std::int64_t times) {
+      bus->count(kind, times);
+    };
+    connection_->incoming = std::make_unique<UdpmReceiver>(*multicast, count);
+  } else {
+    const bool stamped = connection_->url.rfind("memq:", 0) == 0;
+    connection_->incoming = std::make_unique<LiblcmIncoming>(connection_->lcm.get(), stamped);
+  }
 }
 
 Bus::~Bus() = default;
@@ -176,6 +190,12 @@ void Bus::publish(const std::string& robot, const CommandReport& report) {
   std::string_view repaired;
   const command_t message = encode(report, repaired);
   connection_->publish(channel(robot, "COMMAND"), message, repaired);
+}
+
+std::unique_ptr<LastWords> Bus::last_words(const std::string& robot, const CommandReport& report) {
+  std::string_view repaired;
+  const std::string name = channel(robot, "COMMAND");
+  return std::make_unique<LastWords>(connection_->url, name, connection_->encoded(name, encode(report, repaired)));
 }
 
 void Bus::publish(const std::string& robot, const ObservationReport& report) {
@@ -225,7 +245,22 @@ void Bus::publish_image(const std::string& channel, const Frame& frame) {
 
 void Bus::on_image(const std::string& channel, std::function<void(Frame)> handler) {
   check_channel_name(channel);
-  connection_->subscribe<Frame>(channel, &decode_image, std::move(handler));
+  connection_->listen(channel, true,
+                      [bus = connection_.get(), handler = std::move(handler)](const WireMessage& message) {
+                        Checked<Frame> checked = decode_image(message.payload);
+                        if (!checked.value) return bus->count(checked.rejection);
+                        handler(std::move(*checked.value));
+                      });
+}
+
+void Bus::on_encoded_image(const std::string& channel, std::function<void(EncodedImage)> handler) {
+  check_channel_name(channel);
+  connection_->listen(
+      channel, true, [bus = connection_.get(), handler = std::move(handler)](const WireMessage& message) {
+        const auto header = read_image_header(message.payload->data(), message.payload->size());
+        if (!header.value) return bus->count(header.rejection);
+        handler({header.value->utime, header.value->width, header.value->height, message.arrival, message.payload});
+      });
 }
 
 void Bus::on_setpoint(const std::string& robot, std::function<void(SetpointReport)> handler) {
@@ -252,15 +287,17 @@ void Bus::on_motion(const std::string& robot, std::function<void(MotionReport)> 
   connection_->subscribe<MotionReport>(channel(robot, "MOTION"), &decode_motion, std::move(handler));
 }
 
+MonotonicTime Bus::arrival() const { return connection_->arrival; }
+
 int Bus::handle(int timeout_ms) {
   Connection& bus = *connection_;
-  if (bus.handling) throw std::logic_error("Bus::handle called from one of its own handlers: liblcm is not re-entrant");
-  bus.handling = true;
-  bus.handled = 0;
-  bus.wait_and_dispatch(std::chrono::milliseconds(std::max(timeout_ms, 0)));
-  bus.handling = false;
-  if (bus.handler_failed) std::rethrow_exception(std::exchange(bus.handler_failed, nullptr));
-  return bus.handled;
+  if (bus.handling) throw std::logic_error("Bus::handle called from one of its own handlers: it is not re-entrant");
+  struct Handling {
+    bool& flag;
+    explicit Handling(bool& on) : flag(on) { flag = true; }
+    ~Handling() { flag = false; }
+  } const handling(bus.handling);
+  return bus.wait_and_dispatch(std::chrono::milliseconds(std::max(timeout_ms, 0)));
 }
 
 }  // namespace pilotfish::bus

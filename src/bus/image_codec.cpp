@@ -1,9 +1,9 @@
 #include "image_codec.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <utility>
 
-#include "jpeg.hpp"
+#include "pilotfish/jpeg/jpeg.hpp"
 #include "wire_reader.hpp"
 
 namespace pilotfish::bus {
@@ -12,12 +12,20 @@ namespace {
 using bot_core::image_t;
 
 constexpr std::int32_t kMaxMetadataEntries = 256;
+constexpr std::size_t kDataOffset = 8 /* fingerprint */ + 8 /* utime */ + 4 * 4 /* width to format */ + 4 /* size */;
 
-bool is_sound(const void* data, std::size_t size_bytes) {
+/// Walks over the whole message; false if its counts do not add up to its size.
+bool walk(const void* data, std::size_t size_bytes, ImageHeader& header) {
   WireReader reader(data, size_bytes);
-  constexpr std::size_t kFixed = 8 /* fingerprint */ + 8 /* utime */ + 4 * 4 /* width, height, stride, format */;
-  std::int32_t metadata_count = 0;
-  if (!reader.skip(kFixed) || !reader.skip_byte_array() || !reader.read(metadata_count)) return false;
+  std::int64_t fingerprint = 0;
+  std::int32_t data_bytes = 0, metadata_count = 0;
+  if (!reader.read(fingerprint) || fingerprint != image_t::getHash() || !reader.read(header.utime) ||
+      !reader.read(header.width) || !reader.read(header.height) || !reader.read(header.row_stride) ||
+      !reader.read(header.pixelformat) || !reader.read(data_bytes) || data_bytes < 0)
+    return false;
+  header.data_offset = kDataOffset;
+  header.data_bytes = static_cast<std::size_t>(data_bytes);
+  if (!reader.skip(header.data_bytes) || !reader.read(metadata_count)) return false;
   if (metadata_count < 0 || metadata_count > kMaxMetadataEntries) return false;
   for (std::int32_t i = 0; i < metadata_count; ++i)
     if (!reader.skip_string() || !reader.skip_byte_array()) return false;
@@ -25,23 +33,54 @@ bool is_sound(const void* data, std::size_t size_bytes) {
 }
 
 /// Do stride and size fit a raw picture? The last row need not be padded up to the stride.
-bool is_raw_layout_sound(const image_t& image, int bytes_per_pixel) {
+bool is_raw_layout_sound(const ImageHeader& image, int bytes_per_pixel) {
   const std::int64_t row_bytes = std::int64_t{image.width} * bytes_per_pixel;
   const std::int64_t padded_bytes = std::int64_t{image.row_stride} * image.height;
-  return image.row_stride >= row_bytes && image.size <= padded_bytes &&
-         image.size >= padded_bytes - image.row_stride + row_bytes;
+  const auto data_bytes = static_cast<std::int64_t>(image.data_bytes);
+  return image.row_stride >= row_bytes && data_bytes <= padded_bytes &&
+         data_bytes >= padded_bytes - image.row_stride + row_bytes;
 }
 
 /// ITU-R BT.601 luma in 16-bit fixed point; the weights add up to 65536, so gray stays gray.
-std::vector<std::uint8_t> gray_from_colour(const image_t& image, int red, int blue) {
+std::vector<std::uint8_t> gray_from_colour(const ImageHeader& image, const std::uint8_t* data, int red, int blue) {
   std::vector<std::uint8_t> gray(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   std::uint8_t* out = gray.data();
   for (int v = 0; v < image.height; ++v) {
-    const std::uint8_t* pixel = image.data.data() + static_cast<std::size_t>(v) * image.row_stride;
+    const std::uint8_t* pixel = data + static_cast<std::size_t>(v) * static_cast<std::size_t>(image.row_stride);
     for (int u = 0; u < image.width; ++u, pixel += 3)
       *out++ = static_cast<std::uint8_t>((19595 * pixel[red] + 38470 * pixel[1] + 7471 * pixel[blue] + 32768) >> 16);
   }
   return gray;
+}
+
+/// Of a message with this header. `owner` keeps its bytes alive; without one, raw pixels are copied.
+Checked<Frame> decode(const ImageHeader& header, const std::uint8_t* message, std::shared_ptr<const void> owner) {
+  using Result = Checked<Frame>;
+  const std::uint8_t* data = message + header.data_offset;
+  const auto frame_of = [&](std::vector<std::uint8_t> pixels) {
+    return Result::accept(Frame::from_pixels(header.utime, header.width, header.height, std::move(pixels)));
+  };
+  switch (header.pixelformat) {
+    case image_t::PIXEL_FORMAT_GRAY: {
+      if (!owner) {
+        auto copy = std::make_shared<const std::vector<std::uint8_t>>(data, data + header.data_bytes);
+        data = copy->data();
+        owner = std::move(copy);
+      }
+      Frame frame;
+      frame.utime = header.utime;
+      frame.image = {data, header.data_bytes, header.width, header.height, header.row_stride};
+      frame.pixels_owner = std::move(owner);
+      return Result::accept(std::move(frame));
+    }
+    case image_t::PIXEL_FORMAT_RGB: return frame_of(gray_from_colour(header, data, 0, 2));
+    case image_t::PIXEL_FORMAT_BGR: return frame_of(gray_from_colour(header, data, 2, 0));
+    default: {  // MJPEG: the header has passed its check
+      auto pixels = jpeg::decode(data, header.data_bytes, {header.width, header.height});
+      if (!pixels) return Result::reject("image_jpeg_refused");
+      return frame_of(std::move(*pixels));
+    }
+  }
 }
 
 }  // namespace
@@ -62,44 +101,57 @@ std::optional<image_t> encode_image(const Frame& frame, bool raw) {
                   image.data.data() + static_cast<std::size_t>(v) * view.width);
   } else {
     image.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
-    image.data = encode_jpeg(view);
+    image.data = jpeg::encode(view);
     if (image.data.empty()) return std::nullopt;
   }
   image.size = static_cast<std::int32_t>(image.data.size());
   return image;
 }
 
-Checked<Frame> decode_image(const void* data, std::size_t size_bytes) {
-  using Result = Checked<Frame>;
-  image_t image;
-  if (size_bytes > std::numeric_limits<std::int32_t>::max() || !is_sound(data, size_bytes) ||
-      image.decode(data, 0, static_cast<int>(size_bytes)) != static_cast<int>(size_bytes))
-    return Result::reject("image_corrupt");
-  if (image.width < 1 || image.height < 1) return Result::reject("image_size_mismatch");
-  if (image.width > kMaxFrameSide || image.height > kMaxFrameSide) return Result::reject("image_too_large");
-  if (!is_usable_time(image.utime)) return Result::reject("image_time_invalid");
-
-  switch (image.pixelformat) {
-    case image_t::PIXEL_FORMAT_GRAY: {
-      if (!is_raw_layout_sound(image, 1)) return Result::reject("image_size_mismatch");
-      Frame frame = Frame::from_pixels(image.utime, image.width, image.height, std::move(image.data));
-      frame.image.stride_bytes = image.row_stride;
-      return Result::accept(std::move(frame));
-    }
+Checked<ImageHeader> read_image_header(const void* data, std::size_t size_bytes) {
+  using Result = Checked<ImageHeader>;
+  ImageHeader header;
+  if (!walk(data, size_bytes, header)) return Result::reject("image_corrupt");
+  if (header.width < 1 || header.height < 1) return Result::reject("image_size_mismatch");
+  if (header.width > kMaxFrameSide || header.height > kMaxFrameSide) return Result::reject("image_too_large");
+  if (!is_usable_time(header.utime)) return Result::reject("image_time_invalid");
+  switch (header.pixelformat) {
+    case image_t::PIXEL_FORMAT_GRAY:
+      return is_raw_layout_sound(header, 1) ? Result::accept(header) : Result::reject("image_size_mismatch");
     case image_t::PIXEL_FORMAT_RGB:
-    case image_t::PIXEL_FORMAT_BGR: {
-      if (!is_raw_layout_sound(image, 3)) return Result::reject("image_size_mismatch");
-      const bool red_first = image.pixelformat == image_t::PIXEL_FORMAT_RGB;
-      return Result::accept(Frame::from_pixels(image.utime, image.width, image.height,
-                                               gray_from_colour(image, red_first ? 0 : 2, red_first ? 2 : 0)));
-    }
-    case image_t::PIXEL_FORMAT_MJPEG: {
-      auto pixels = decode_jpeg(image.data.data(), image.data.size(), image.width, image.height);
-      if (!pixels) return Result::reject("image_jpeg_refused");
-      return Result::accept(Frame::from_pixels(image.utime, image.width, image.height, std::move(*pixels)));
-    }
+    case image_t::PIXEL_FORMAT_BGR:
+      return is_raw_layout_sound(header, 3) ? Result::accept(header) : Result::reject("image_size_mismatch");
+    case image_t::PIXEL_FORMAT_MJPEG: return Result::accept(header);
     default: return Result::reject("image_format_unknown");
   }
+}
+
+Checked<Frame> decode_image(const void* data, std::size_t size_bytes) {
+  const auto header = read_image_header(data, size_bytes);
+  if (!header.value) return Checked<Frame>::reject(header.rejection);
+  return decode(*header.value, static_cast<const std::uint8_t*>(data), nullptr);
+}
+
+Checked<Frame> decode_image(const std::shared_ptr<const std::vector<std::uint8_t>>& message) {
+  const auto header = read_image_header(message->data(), message->size());
+  if (!header.value) return Checked<Frame>::reject(header.rejection);
+  return decode(*header.value, message->data(), message);
+}
+
+std::optional<Frame> decode(const EncodedImage& image, std::string_view& rejection) {
+  if (!image.message) {
+    rejection = "image_corrupt";
+    return std::nullopt;
+  }
+  Checked<Frame> checked = decode_image(image.message);
+  rejection = checked.rejection;
+  return std::move(checked.value);
+}
+
+std::optional<Frame> decode(const EncodedImage& image, ImageSize expected, std::string_view& rejection) {
+  if (image.width == expected.width && image.height == expected.height) return decode(image, rejection);
+  rejection = "image_size_unexpected";
+  return std::nullopt;
 }
 
 }  // namespace pilotfish::bus

@@ -1,5 +1,6 @@
 #include "log_index.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
@@ -44,17 +45,19 @@ std::optional<Header> read_header(std::istream& file, std::int64_t offset, std::
 
 /// The first sync word at or after `offset`; the end of the file if there is none.
 std::int64_t find_sync(std::istream& file, std::int64_t offset, std::int64_t file_bytes) {
-  constexpr std::size_t kChunk = 1 << 16, kOverlap = 3;  // a sync word may straddle two chunks
-  std::string chunk(kChunk, '\0');
+  // Small at first: in a file that is damaged every few bytes, long reads would take a time that grows with its square.
+  constexpr std::size_t kFirstChunk = 256, kLastChunk = 1 << 16, kOverlap = 3;  // a sync word may straddle two
+  std::string chunk(kFirstChunk, '\0');
   while (offset + static_cast<std::int64_t>(kSyncBytes.size()) <= file_bytes) {
     file.clear();
     file.seekg(offset);
-    file.read(chunk.data(), kChunk);
+    file.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
     const auto read = static_cast<std::size_t>(file.gcount());
     const std::size_t found = std::string_view(chunk.data(), read).find(kSyncBytes);
     if (found != std::string_view::npos) return offset + static_cast<std::int64_t>(found);
     if (read <= kOverlap) break;
     offset += static_cast<std::int64_t>(read - kOverlap);
+    chunk.resize(std::min(2 * chunk.size(), kLastChunk));
   }
   return file_bytes;
 }

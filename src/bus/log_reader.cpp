@@ -1,5 +1,6 @@
 #include "pilotfish/bus/log_reader.hpp"
 
+#include <filesystem>
 #include <fstream>
 
 #include "image_codec.hpp"
@@ -16,9 +17,12 @@ struct LogReader::File {
 };
 
 LogReader::LogReader(const std::string& path, const std::string& channel) : file_(std::make_unique<File>()) {
+  std::error_code error;  // a pipe would keep us waiting, a device never ends
+  if (!std::filesystem::is_regular_file(path, error))
+    throw BusError("cannot read the LCM log " + path + ": no such file");
   file_->stream.open(path, std::ios::binary);
   if (!file_->stream || file_->stream.peek() == std::ifstream::traits_type::eof())
-    throw BusError("cannot read the LCM log " + path + ": no such file, or nothing in it");
+    throw BusError("cannot read the LCM log " + path + ": it is empty, or may not be read");
   file_->index = index_log(file_->stream, channel);
   if (file_->index.channels.empty()) throw BusError(path + " is not an LCM log: there is not one whole message in it");
   if (file_->index.events.empty()) {

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 #include "pilotfish/bus/bus.hpp"
 
@@ -22,13 +23,16 @@ constexpr std::chrono::milliseconds kPatience{200}, kResendAfter{20};
 
 class Socket {
  public:
-  Socket() : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  Socket() : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
     if (descriptor_ < 0) throw BusError(std::string("cannot open a UDP socket: ") + std::strerror(errno));
   }
-  ~Socket() { ::close(descriptor_); }
+  ~Socket() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
   int descriptor() const { return descriptor_; }
+  int release() { return std::exchange(descriptor_, -1); }
 
   template <class Value>
   bool set(int level, int option, const Value& value) const {
@@ -57,6 +61,19 @@ sockaddr_in address_of(const MulticastUrl& url) {
 }
 
 const sockaddr* generic(const sockaddr_in& address) { return reinterpret_cast<const sockaddr*>(&address); }
+
+void join(const Socket& receiver, const MulticastUrl& url) {
+  const sockaddr_in address = address_of(url);
+  receiver.set(SOL_SOCKET, SO_REUSEADDR, 1);  // what lets several programs listen to one multicast port on Linux
+  if (url.receive_buffer_bytes > 0) receiver.set(SOL_SOCKET, SO_RCVBUF, url.receive_buffer_bytes);
+  if (::bind(receiver.descriptor(), generic(address), sizeof address) != 0)
+    throw BusError("cannot listen on " + name_of(url) + ": " + std::strerror(errno) +
+                   ". Another program may hold the port for itself; choose another port in the LCM URL");
+  ip_mreq membership{};
+  membership.imr_multiaddr = address.sin_addr;
+  if (!receiver.set(IPPROTO_IP, IP_ADD_MEMBERSHIP, membership))
+    throw_no_route(url, std::string("joining the group: ") + std::strerror(errno));
+}
 
 /// liblcm's short message: magic "LC02", sequence number, channel, payload. The payload carries the sender's
 /// port, by which we know our own message from those of other programs that start at the same time.
@@ -119,23 +136,19 @@ std::optional<MulticastUrl> parse_multicast_url(const std::string& url) {
   return parsed;
 }
 
+int open_multicast_receiver(const MulticastUrl& url) {
+  Socket receiver;
+  join(receiver, url);
+  return receiver.release();
+}
+
 int check_multicast(const MulticastUrl& url) {
   const sockaddr_in address = address_of(url);
   const Socket receiver, sender;
-  receiver.set(SOL_SOCKET, SO_REUSEADDR, 1);
-  // liblcm does not hand out its socket (lcm_get_fileno is a pipe), but the kernel grants any socket the same.
-  if (url.receive_buffer_bytes > 0) receiver.set(SOL_SOCKET, SO_RCVBUF, url.receive_buffer_bytes);
+  join(receiver, url);
   int granted_bytes = 0;
   socklen_t size = sizeof granted_bytes;
   ::getsockopt(receiver.descriptor(), SOL_SOCKET, SO_RCVBUF, &granted_bytes, &size);
-
-  if (::bind(receiver.descriptor(), generic(address), sizeof address) != 0)
-    throw BusError("cannot listen on " + name_of(url) + ": " + std::strerror(errno) +
-                   ". Another program may hold the port for itself; choose another port in the LCM URL");
-  ip_mreq membership{};
-  membership.imr_multiaddr = address.sin_addr;
-  if (!receiver.set(IPPROTO_IP, IP_ADD_MEMBERSHIP, membership))
-    throw_no_route(url, std::string("joining the group: ") + std::strerror(errno));
   sender.set(IPPROTO_IP, IP_MULTICAST_TTL, 0);  // the test itself stays on this host
   sender.set(IPPROTO_IP, IP_MULTICAST_LOOP, 1);
   sockaddr_in any{};

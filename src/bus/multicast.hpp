@@ -18,9 +18,13 @@ struct MulticastUrl {
 /// liblcm takes a missing port as port 0 and ignores options that it does not know.
 std::optional<MulticastUrl> parse_multicast_url(const std::string& url);
 
-/// Does what liblcm is about to do, but within 0.2 s and with an answer: opens a receiver, sends itself
-/// liblcm's own self-test message and waits for it. (Where multicast is broken, lcm_subscribe waits 10 s for
-/// the same message.) Returns the size of the receive buffer that the kernel grants to such a socket. Throws
+/// A non-blocking socket that has joined the group, beside any others on the same port. The caller closes it. Throws
+/// BusError saying what to do.
+int open_multicast_receiver(const MulticastUrl& url);
+
+/// Tells within 0.2 s whether this host hears itself: opens a receiver, sends itself
+/// liblcm's own self-test message and waits for it. (liblcm's own receiver would
+/// wait 10 s for it.) Returns the size of the receive buffer that the kernel grants to such a socket. Throws
 /// BusError saying what to do.
 int check_multicast(const MulticastUrl& url);
 

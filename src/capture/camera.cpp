@@ -1,93 +1,96 @@
-#include <unistd.h>
+#include <linux/videodev2.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <cstring>
-#include <filesystem>
-#include <opencv2/videoio.hpp>
 #include <sstream>
+#include <utility>
 
-#include "gray_frame.hpp"
-#include "picture_list.hpp"
+#include "buffer_age.hpp"
+#include "luma.hpp"
 #include "pilotfish/capture/frame_source.hpp"
+#include "pilotfish/core/monotonic.hpp"
+#include "v4l2_format.hpp"
+#include "v4l2_stream.hpp"
 
 namespace pilotfish::capture {
 namespace {
 
-std::int64_t now_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
+/// A camera that has been silent for so long is closed, for its driver often recovers only if it is opened anew. The
+/// first picture may take longer: sensors start slowly.
+constexpr std::int64_t kSilenceUs = 2'000'000;
+constexpr std::int64_t kFirstSilenceUs = 5'000'000;
 
 class Camera : public FrameSource {
  public:
-  Camera(const cv::VideoCapture& capture, std::string description)
-      : capture_(capture), description_(std::move(description)) {}
+  Camera(V4l2Device device, const GrantedFormat& format)
+      : format_(format), stream_(std::move(device)), silent_from_us_(monotonic_now().us) {}
 
   std::optional<Frame> next() override {
+    if (ended()) return std::nullopt;
+    const std::optional<FilledBuffer> filled = stream_.newest(kPatience);
+    if (!filled) {
+      if (monotonic_now().us - silent_from_us_ > silence_allowed_us_)
+        silent_ = "the camera " + stream_.device().path() + " has given no picture for " +
+                  std::to_string(silence_allowed_us_ / 1'000'000) + " s";
+      return std::nullopt;
+    }
+    Frame frame = frame_of(*filled);
+    stream_.give_back(*filled);
+    silent_from_us_ = monotonic_now().us;
+    silence_allowed_us_ = kSilenceUs;
+    return frame;
+  }
+
+  std::string why_ended() const override { return silent_.empty() ? stream_.why_ended() : silent_; }
+  bool live() const override { return true; }
+
+  std::string describe() const override {
+    std::ostringstream text;
+    text << "camera " << stream_.device().path() << " (" << format_.layout.width << "x" << format_.layout.height << " "
+         << name_of(format_.layout.fourcc) << ", ";
+    if (format_.frame_rate_hz > 0.0)
+      text << format_.frame_rate_hz << " Hz";
+    else
+      text << "rate unknown";
+    text << ", stamps " << stream_.stamped() << ")";
+    return text.str();
+  }
+
+ private:
+  Frame frame_of(const FilledBuffer& filled) {
+    std::optional<std::vector<std::uint8_t>> pixels;
+    if (filled.size_bytes > 0) pixels = decode(filled);
+    // After the decoding, which takes milliseconds: the age is that at arrival.
+    const ClockReading now = read_clocks();
+    suspension_ = look_for_suspension(suspension_, now);
+    const std::int64_t age_us = buffer_age_us(filled.buffer, filled.queue_seen_empty_at_us, now, suspension_);
+    Frame frame;
+    if (pixels) frame = Frame::from_pixels(0, format_.layout.width, format_.layout.height, std::move(*pixels));
+    frame.utime = now.wall_us - age_us;
+    frame.known_age_us = age_us;
+    return frame;
+  }
+
+  std::optional<std::vector<std::uint8_t>> decode(const FilledBuffer& filled) const noexcept {
     try {
-      if (!capture_.grab()) return std::nullopt;
-      const std::int64_t utime = now_us();  // before the decoding, which takes milliseconds
-      cv::Mat picture;
-      if (!capture_.retrieve(picture)) picture.release();
-      return gray_frame(picture, utime);
-    } catch (const cv::Exception&) {
+      return luma(filled.data, filled.size_bytes, format_.layout);
+    } catch (const std::exception&) {  // out of memory
       return std::nullopt;
     }
   }
 
-  bool live() const override { return true; }
-  std::string describe() const override { return description_; }
-
- private:
-  cv::VideoCapture capture_;
-  std::string description_;
+  GrantedFormat format_;
+  V4l2Stream stream_;
+  Suspension suspension_ = look_for_suspension({}, read_clocks());
+  std::string silent_;
+  std::int64_t silent_from_us_;
+  std::int64_t silence_allowed_us_ = kFirstSilenceUs;
 };
-
-/// "/dev/video0 /dev/video2", or "none".
-std::string cameras_present() {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev", error))
-    if (entry.path().filename().string().rfind("video", 0) == 0) names.push_back(entry.path().string());
-  std::sort(names.begin(), names.end(), natural_less);
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
-  return text.empty() ? "none" : text;
-}
 
 }  // namespace
 
 std::unique_ptr<FrameSource> open_camera(int index, int width, int height, double frame_rate_hz) {
-  const std::string device = "/dev/video" + std::to_string(index);
-  const std::string present = "; cameras here: " + cameras_present();
-  if (!std::filesystem::exists(device)) throw CaptureError("there is no camera " + device + present);
-  if (::access(device.c_str(), R_OK | W_OK) != 0)
-    throw CaptureError("cannot use the camera " + device + ": " + std::strerror(errno) +
-                       "; add yourself to the group 'video' (sudo usermod -aG video $USER) and log in again" + present);
-  cv::VideoCapture capture;
-  try {
-    capture.open(index, cv::CAP_V4L2);
-  } catch (const cv::Exception&) {  // handled like any other refusal below
-  }
-  if (!capture.isOpened())
-    throw CaptureError("the camera " + device + " cannot be opened: another program may be using it, or it gives no " +
-                       "pictures (many cameras have a second device for metadata)" + present);
-  capture.set(cv::CAP_PROP_FRAME_WIDTH, width);
-  capture.set(cv::CAP_PROP_FRAME_HEIGHT, height);
-  capture.set(cv::CAP_PROP_FPS, frame_rate_hz);
-  capture.set(cv::CAP_PROP_BUFFERSIZE, 1);  // old pictures are of no use to anyone
-  const int real_width = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_WIDTH));
-  const int real_height = static_cast<int>(capture.get(cv::CAP_PROP_FRAME_HEIGHT));
-  if (real_width != width || real_height != height)
-    throw CaptureError("the camera " + device + " gives " + std::to_string(real_width) + "x" +
-                       std::to_string(real_height) + ", the calibration is for " + std::to_string(width) + "x" +
-                       std::to_string(height) + "; see v4l2-ctl --device " + device + " --list-formats-ext");
-  std::ostringstream description;
-  description << "camera " << device << " (" << width << "x" << height << ", " << capture.get(cv::CAP_PROP_FPS)
-              << " Hz)";
-  return std::make_unique<Camera>(capture, description.str());
+  V4l2Device device(index);
+  const GrantedFormat format = negotiate(device, width, height, frame_rate_hz);
+  return std::make_unique<Camera>(std::move(device), format);
 }
 
 }  // namespace pilotfish::capture

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <string_view>
 
 #include "pilotfish/capture/frame_source.hpp"
+#include "pilotfish/core/number.hpp"
+#include "pilotfish/core/read_file.hpp"
 
 namespace pilotfish::capture {
 namespace {
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 9> kPictureSuffixes = {".png", ".jpg",  ".jpeg", ".pgm", ".ppm",
                                                               ".bmp", ".tiff", ".tif",  ".webp"};
 constexpr const char* kListName = "frames.csv";
+constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;  // half a million pictures, five hours
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -34,7 +36,8 @@ bool is_picture(const fs::directory_entry& entry) {
   std::string suffix = entry.path().extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return entry.is_regular_file() && entry.path().filename().string().front() != '.' &&
+  std::error_code error;  // a link in a circle is no picture, and no reason to give up either
+  return entry.is_regular_file(error) && entry.path().filename().string().front() != '.' &&
          std::find(kPictureSuffixes.begin(), kPictureSuffixes.end(), suffix) != kPictureSuffixes.end();
 }
 
@@ -53,13 +56,15 @@ std::vector<std::string_view> split(std::string_view line) {
 
 std::vector<ListedPicture> read_list(const fs::path& directory) {
   const fs::path list = directory / kListName;
-  std::ifstream stream(list);
+  FileRead read = read_file(list, kMaxListBytes);
+  if (!read.bytes) throw CaptureError(read.problem);
+  std::istringstream stream(std::move(*read.bytes));
   std::string line;
   int line_number = 1;
   const auto fail = [&](const std::string& problem) {
     throw CaptureError(list.string() + ", line " + std::to_string(line_number) + ": " + problem);
   };
-  if (!std::getline(stream, line)) fail("cannot be read, or is empty");
+  if (!std::getline(stream, line)) fail("is empty");
   const auto names = split(line);
   const auto column = [&](std::string_view name) {
     const auto found = std::find(names.begin(), names.end(), name);
@@ -75,12 +80,11 @@ std::vector<ListedPicture> read_list(const fs::path& directory) {
     if (fields.size() == 1 && fields[0].empty()) continue;
     if (fields.size() != names.size())
       fail("there are " + std::to_string(fields.size()) + " fields, the header has " + std::to_string(names.size()));
-    const std::string_view utime_text = fields[utime_column];
-    ListedPicture picture{directory / fields[file_column], 0};
-    const auto [end, error] = std::from_chars(utime_text.data(), utime_text.data() + utime_text.size(), picture.utime);
-    if (error != std::errc() || end != utime_text.data() + utime_text.size())
-      fail("'" + std::string(utime_text) + "' is not a whole number of microseconds");
-    if (!fs::is_regular_file(picture.path)) fail("there is no file " + picture.path.string());
+    const auto utime = number_from<std::int64_t>(fields[utime_column]);
+    if (!utime) fail("'" + std::string(fields[utime_column]) + "' is not a whole number of microseconds");
+    ListedPicture picture{directory / fields[file_column], *utime};
+    std::error_code error;
+    if (!fs::is_regular_file(picture.path, error)) fail("there is no file " + picture.path.string());
     pictures.push_back(std::move(picture));
   }
   return pictures;
@@ -88,8 +92,10 @@ std::vector<ListedPicture> read_list(const fs::path& directory) {
 
 std::vector<ListedPicture> in_natural_order(const fs::path& directory, double frame_rate_hz) {
   std::vector<ListedPicture> pictures;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory))
-    if (is_picture(entry)) pictures.push_back({entry.path(), 0});
+  std::error_code error;
+  for (fs::directory_iterator entry(directory, error), end; !error && entry != end; entry.increment(error))
+    if (is_picture(*entry)) pictures.push_back({entry->path(), 0});
+  if (error) throw CaptureError("cannot read the folder " + directory.string() + ": " + error.message());
   std::sort(pictures.begin(), pictures.end(), [](const ListedPicture& a, const ListedPicture& b) {
     return natural_less(a.path.filename().string(), b.path.filename().string());
   });
@@ -122,7 +128,7 @@ bool natural_less(const std::string& a, const std::string& b) {
 std::vector<ListedPicture> list_pictures(const fs::path& directory, double frame_rate_hz) {
   std::error_code error;
   if (!fs::is_directory(directory, error)) throw CaptureError("there is no folder " + directory.string());
-  const bool listed = fs::exists(directory / kListName);
+  const bool listed = fs::exists(fs::symlink_status(directory / kListName, error));
   if (!listed && !(std::isfinite(frame_rate_hz) && frame_rate_hz > 0.0))
     throw CaptureError("the frame rate of pictures must be positive, it is " + std::to_string(frame_rate_hz) + " Hz");
   std::vector<ListedPicture> pictures = listed ? read_list(directory) : in_natural_order(directory, frame_rate_hz);

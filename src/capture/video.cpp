@@ -16,22 +16,26 @@ class Video : public FrameSource {
 
   std::optional<Frame> next() override {
     try {
-      if (!capture_.grab()) return std::nullopt;
+      ended_ = !capture_.grab();
+      if (ended_) return std::nullopt;
       const auto utime = std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1e3);
       cv::Mat picture;  // a new one each time: the frame keeps it
       if (!capture_.retrieve(picture)) picture.release();
       return gray_frame(picture, utime);
     } catch (const cv::Exception&) {
+      ended_ = true;
       return std::nullopt;
     }
   }
 
+  std::string why_ended() const override { return ended_ ? "the end of the video" : ""; }
   bool live() const override { return false; }
   std::string describe() const override { return description_; }
 
  private:
   cv::VideoCapture capture_;
   std::string description_;
+  bool ended_ = false;
 };
 
 }  // namespace

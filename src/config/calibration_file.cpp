@@ -1,19 +1,14 @@
-#include <fstream>
-#include <iterator>
+#include <algorithm>
 #include <pugixml.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/yaml_section.hpp"
+#include "pilotfish/core/number.hpp"
 
 namespace pilotfish::config {
 namespace {
-
-std::string read_text(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw ConfigError("calibration", "cannot read " + file.string());
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 /// OpenCV writes "%YAML:1.0", which is not a YAML directive; everything else in the file is YAML.
 std::string without_directives(const std::string& text) {
@@ -24,14 +19,23 @@ std::string without_directives(const std::string& text) {
   return kept;
 }
 
+/// fx 0 cx, 0 fy cy, 0 0 1: there is no place in our model for a skew, or for anything else.
+void check_matrix(const std::vector<double>& matrix, const YamlSection& section) {
+  if (matrix.size() != 9) throw section.error("camera_matrix.data", "needs 9 numbers, row by row");
+  const auto must_be = [&](std::size_t i, double wanted, const char* what) {
+    if (matrix[i] == wanted) return;
+    std::ostringstream problem;
+    problem << matrix[i] << " is not allowed for " << what << "; only " << wanted << " is";
+    throw section.error("camera_matrix.data[" + std::to_string(i) + "]", problem.str());
+  };
+  must_be(1, 0.0, "the skew (pixels are rectangular)");
+  for (std::size_t i : {std::size_t{3}, std::size_t{6}, std::size_t{7}}) must_be(i, 0.0, "this element");
+  must_be(8, 1.0, "the last element");
+}
+
 /// OpenCV's calibration sample and ROS's camera_info share these keys; the many others they hold are theirs.
 CameraModel from_opencv(const std::string& text, const std::filesystem::path& file) {
-  YAML::Node root;
-  try {
-    root = YAML::Load(without_directives(text));
-  } catch (const YAML::Exception& problem) {
-    throw ConfigError("calibration", file.string() + " is not valid YAML: " + problem.what());
-  }
+  const YAML::Node root = parse_yaml(without_directives(text), "calibration", file);
   if (!root.IsMap()) throw ConfigError("calibration", file.string() + " is neither a mapping nor ViSP's XML");
   YamlSection section(root, "calibration", file);
   CameraModel camera;
@@ -41,7 +45,7 @@ CameraModel from_opencv(const std::string& text, const std::filesystem::path& fi
     throw section.error("distortion_model",
                         "'" + section.text("distortion_model") + "' is not supported; plumb_bob is");
   const std::vector<double> matrix = section.section("camera_matrix").numbers("data");
-  if (matrix.size() != 9) throw section.error("camera_matrix.data", "needs 9 numbers, row by row");
+  check_matrix(matrix, section);
   camera.fx = matrix[0];
   camera.cx = matrix[2];
   camera.fy = matrix[4];
@@ -57,21 +61,25 @@ CameraModel from_opencv(const std::string& text, const std::filesystem::path& fi
   return camera;
 }
 
-double xml_number(const pugi::xml_node& parent, const char* key) {
+template <class Value>
+Value xml_number(const pugi::xml_node& parent, const char* key) {
   const pugi::xml_node node = parent.child(key);
-  if (!node) throw ConfigError(std::string("calibration.") + key, "is missing in the XML");
-  std::istringstream text(node.text().get());
-  double value = 0.0;
-  if (!(text >> value))
-    throw ConfigError(std::string("calibration.") + key, "'" + std::string(node.text().get()) + "' is not a number");
-  return value;
+  const std::string dotted = std::string("calibration.") + key;
+  if (!node) throw ConfigError(dotted, "is missing in the XML");
+  std::string_view text = node.text().get();
+  constexpr std::string_view kSpace = " \t\r\n";
+  text.remove_prefix(std::min(text.find_first_not_of(kSpace), text.size()));
+  text = text.substr(0, text.find_last_not_of(kSpace) + 1);
+  if (const auto value = number_from<Value>(text)) return *value;
+  throw ConfigError(dotted,
+                    "'" + std::string(text) + "' is not a " + (std::is_same_v<Value, int> ? "whole " : "") + "number");
 }
 
 /// ViSP's perspectiveProjWithDistortion is u = u0 + px x (1 + kud r^2): our k1. (kdu is the approximate inverse, which
 /// we do not need.)
 CameraModel from_visp(const std::string& text, const std::filesystem::path& file) {
   pugi::xml_document document;
-  if (const pugi::xml_parse_result parsed = document.load_string(text.c_str()); !parsed)
+  if (const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size()); !parsed)
     throw ConfigError("calibration", file.string() + " is not valid XML: " + parsed.description());
   pugi::xml_node camera_node;
   for (const pugi::xml_node& node : document.document_element().children("camera")) {
@@ -80,8 +88,8 @@ CameraModel from_visp(const std::string& text, const std::filesystem::path& file
   }
   if (!camera_node) throw ConfigError("calibration.camera", "no <camera> in " + file.string());
   CameraModel camera;
-  camera.width = static_cast<int>(xml_number(camera_node, "image_width"));
-  camera.height = static_cast<int>(xml_number(camera_node, "image_height"));
+  camera.width = xml_number<int>(camera_node, "image_width");
+  camera.height = xml_number<int>(camera_node, "image_height");
   pugi::xml_node best;
   for (const pugi::xml_node& model : camera_node.children("model")) {
     const std::string type = model.child("type").text().get();
@@ -91,21 +99,25 @@ CameraModel from_visp(const std::string& text, const std::filesystem::path& file
   if (!best)
     throw ConfigError("calibration.model",
                       "no perspectiveProjWithDistortion or perspectiveProjWithoutDistortion in " + file.string());
-  camera.fx = xml_number(best, "px");
-  camera.fy = xml_number(best, "py");
-  camera.cx = xml_number(best, "u0");
-  camera.cy = xml_number(best, "v0");
-  if (best.child("kud")) camera.k1 = xml_number(best, "kud");
+  camera.fx = xml_number<double>(best, "px");
+  camera.fy = xml_number<double>(best, "py");
+  camera.cx = xml_number<double>(best, "u0");
+  camera.cy = xml_number<double>(best, "v0");
+  if (best.child("kud")) camera.k1 = xml_number<double>(best, "kud");
   return camera;
 }
 
 }  // namespace
 
 CameraModel load_calibration(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  return parse_calibration(read_text_file(file, "calibration"));
+}
+
+CameraModel parse_calibration(const TextFile& file) {
+  const std::string& text = file.text;
   const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
   const bool is_xml = first != std::string::npos && text[first] == '<';
-  const CameraModel camera = is_xml ? from_visp(text, file) : from_opencv(text, file);
+  const CameraModel camera = is_xml ? from_visp(text, file.path) : from_opencv(text, file.path);
   camera.validate();
   return camera;
 }

@@ -1,3 +1,5 @@
+#include <sstream>
+
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/yaml_section.hpp"
 #include "robot_name.hpp"
@@ -15,7 +17,7 @@ void read_section(YamlSection& parent, const std::string& key, Config&... config
 }
 
 void read_camera(YamlSection root, CoordinatorConfig& config) {
-  config.camera = load_calibration(root.file_path("calibration"));
+  config.camera = parse_calibration(root.file("calibration"));
   read_section(root, "mounting", config.mounting);
   root.finish();
 }
@@ -43,6 +45,19 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   root.finish();
 }
 
+/// A camera that is slower than measurements die makes the robot stutter: it must be told to wait longer, at less
+/// speed.
+void check_frame_rate(const YamlSection& root, const CoordinatorFile& file) {
+  const double max_age_s = file.coordinator.safety.max_age_s;
+  if (file.frame_rate_hz * max_age_s >= kMinFramesPerMaxAge * (1.0 - 1e-9)) return;
+  std::ostringstream problem;
+  problem << file.frame_rate_hz << " is too slow: with safety.max_age_s " << max_age_s << " at least "
+          << kMinFramesPerMaxAge / max_age_s << " Hz are needed. A slow camera may ask for safety.max_age_s up to 0.25 "
+          << "together with control.limits.max_linear_mps and max_reverse_mps of at most " << kMaxBlindTravel_m
+          << " m / max_age_s";
+  throw root.error("frame_rate_hz", problem.str());
+}
+
 }  // namespace
 
 std::string announcements_from(const std::string& name) {
@@ -58,11 +73,17 @@ Odometry odometry_from(std::string_view name) {
 }
 
 void load_tuning(const std::filesystem::path& path, control::FollowerConfig& config) {
-  read_control(YamlSection::load(path), config);
+  parse_tuning(read_text_file(path), config);
 }
 
-CoordinatorFile load_coordinator(const std::filesystem::path& path) {
-  YamlSection root = YamlSection::load(path);
+void parse_tuning(const TextFile& text, control::FollowerConfig& config) {
+  read_control(YamlSection::parse(text), config);
+}
+
+CoordinatorFile load_coordinator(const std::filesystem::path& path) { return parse_coordinator(read_text_file(path)); }
+
+CoordinatorFile parse_coordinator(const TextFile& text) {
+  YamlSection root = YamlSection::parse(text);
   CoordinatorFile file;
   CoordinatorConfig& config = file.coordinator;
 
@@ -79,13 +100,14 @@ CoordinatorFile load_coordinator(const std::filesystem::path& path) {
   config.control.velocity.control_period_s = config.control.drive.latency_s = 1.0 / file.frame_rate_hz;
 
   read_camera(root.section("camera"), config);
-  config.leader = load_leader_body(root.file_path("leader"));
-  config.control.law = load_fuzzy_controller(root.file_path("fuzzy"));
+  config.leader = parse_leader_body(root.file("leader"));
+  config.control.law = parse_fuzzy_controller(root.file("fuzzy"));
   read_section(root, "setpoint", config.setpoint);
   if (root.optional("vision")) read_vision(root.section("vision"), config.vision);
-  if (root.optional("tuning")) load_tuning(root.file_path("tuning"), config.control);
+  if (root.optional("tuning")) parse_tuning(root.file("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   read_section(root, "safety", config.safety);
+  check_frame_rate(root, file);
   root.finish();
   return file;
 }

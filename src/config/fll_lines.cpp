@@ -1,8 +1,9 @@
 #include "fll_lines.hpp"
 
-#include <charconv>
 #include <set>
 #include <sstream>
+
+#include "pilotfish/core/number.hpp"
 
 namespace pilotfish::config {
 namespace {
@@ -46,12 +47,8 @@ std::vector<std::string> fll_words(const std::string& text) {
 }
 
 double fll_number(const FllLine& line, const std::string& word) {
-  const bool plus = !word.empty() && word[0] == '+';  // from_chars knows no plus
-  double value = 0.0;
-  const auto [end, problem] = std::from_chars(word.data() + (plus ? 1 : 0), word.data() + word.size(), value);
-  if (problem != std::errc() || end != word.data() + word.size())
-    throw fll_error(line, "'" + word + "' is not a number");
-  return value;
+  if (const auto value = number_from<double>(word)) return *value;
+  throw fll_error(line, "'" + word + "' is not a number");
 }
 
 ConfigError fll_error(const FllLine& line, const std::string& problem) {

@@ -1,6 +1,4 @@
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/fuzzy_text.hpp"
@@ -101,28 +99,24 @@ Controller read_yaml(YamlSection& file) {
   return controller;
 }
 
-Controller read_fll_file(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw ConfigError("file", "cannot read " + path.string());
-  return read_fll(text.str(), path);
-}
-
 }  // namespace
 
 Controller load_fuzzy_controller(const std::filesystem::path& path) {
+  return parse_fuzzy_controller(read_text_file(path));
+}
+
+Controller parse_fuzzy_controller(const TextFile& file) {
   Controller controller;
-  if (path.extension() == ".fll") {
-    controller = read_fll_file(path);
+  if (file.path.extension() == ".fll") {
+    controller = read_fll(file.text, file.path);
   } else {
-    YamlSection file = YamlSection::load(path);
-    controller = read_yaml(file);
+    YamlSection root = YamlSection::parse(file);
+    controller = read_yaml(root);
   }
   try {
     fuzzy::prove(controller);
   } catch (const fuzzy::ProofError& defect) {
-    throw ConfigError(defect.where(), defect.problem() + " (in " + path.string() + ")");
+    throw ConfigError(defect.where(), defect.problem() + " (in " + file.path.string() + ")");
   }
   return controller;
 }

@@ -3,8 +3,10 @@
 
 namespace pilotfish::config {
 
-LeaderBody load_leader_body(const std::filesystem::path& file) {
-  YamlSection root = YamlSection::load(file);
+LeaderBody load_leader_body(const std::filesystem::path& file) { return parse_leader_body(read_text_file(file)); }
+
+LeaderBody parse_leader_body(const TextFile& file) {
+  YamlSection root = YamlSection::parse(file);
   LeaderBody body;
   body.name = root.text("name");
   body.family = root.text("family");

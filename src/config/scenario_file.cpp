@@ -57,7 +57,7 @@ sim::Trajectory read_trajectory(YamlSection section) {
 
 void read_body(YamlSection section, sim::RobotSpec& robot) {
   sim::RobotBody body;
-  if (section.optional("leader")) body.leader = load_leader_body(section.file_path("leader"));
+  if (section.optional("leader")) body.leader = parse_leader_body(section.file("leader"));
   section.read(body);
   section.read(robot.visibility);
   section.finish();
@@ -66,7 +66,7 @@ void read_body(YamlSection section, sim::RobotSpec& robot) {
 
 sim::CameraSpec read_camera(YamlSection section) {
   sim::CameraSpec camera;
-  camera.model = load_calibration(section.file_path("calibration"));
+  camera.model = parse_calibration(section.file("calibration"));
   if (section.optional("mounting")) read_whole(section.section("mounting"), camera.mounting);
   section.read(camera);
   section.read(camera.imperfections);
@@ -91,8 +91,10 @@ sim::RobotSpec read_robot(YamlSection& section) {
 
 }  // namespace
 
-sim::Scenario load_scenario(const std::filesystem::path& file) {
-  YamlSection root = YamlSection::load(file);
+sim::Scenario load_scenario(const std::filesystem::path& file) { return parse_scenario(read_text_file(file)); }
+
+sim::Scenario parse_scenario(const TextFile& file) {
+  YamlSection root = YamlSection::parse(file);
   sim::Scenario scenario;
   if (!root.has("name")) throw root.error("name", "is missing");
   root.read(scenario);

@@ -1,20 +1,42 @@
 #include "pilotfish/config/yaml_section.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+
+#include "pilotfish/core/number.hpp"
 
 namespace pilotfish::config {
 namespace {
 
 constexpr const char* kRadians = "_rad";
 
-template <class Value>
-Value as(const YAML::Node& node, const ConfigError& wrong_type) {
-  try {
-    return node.as<Value>();
-  } catch (const YAML::Exception&) {
-    throw wrong_type;
+/// yaml-cpp walks into a nested list for as long as it goes on (some 0.2 s per 100 kB) before it gives up at 500
+/// levels; nothing here nests more than six deep. Brackets in comments and quotes count as well: as if anyone wrote
+/// that many.
+constexpr int kMaxNesting = 64;
+
+int deepest_bracket(const std::string& text) {
+  int depth = 0, deepest = 0;
+  for (const char c : text) {
+    if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
+    if ((c == ']' || c == '}') && depth > 0) --depth;
   }
+  return deepest;
+}
+
+/// Decimal, the whole of it ("640abc" is none, and 010 is ten), or one of YAML's words for infinity and NaN.
+double as_number(const YAML::Node& node, const ConfigError& wrong_type) {
+  if (!node.IsScalar()) throw wrong_type;
+  const std::string& text = node.Scalar();
+  if (const auto value = number_from<double>(text)) return *value;
+  const bool negative = !text.empty() && text[0] == '-';
+  const std::string word = text.substr(!text.empty() && (negative || text[0] == '+') ? 1 : 0);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (word == ".inf" || word == ".Inf" || word == ".INF") return negative ? -kInfinity : kInfinity;
+  if (word == ".nan" || word == ".NaN" || word == ".NAN") return std::numeric_limits<double>::quiet_NaN();
+  throw wrong_type;
 }
 
 /// "x_deg" -> "x_rad": whoever asked for the one has asked for the other.
@@ -29,16 +51,21 @@ std::string shown(const YAML::Node& node) {
 
 }  // namespace
 
-YamlSection YamlSection::load(const std::filesystem::path& file) {
+YAML::Node parse_yaml(const std::string& text, const std::string& key, const std::filesystem::path& path) {
+  if (deepest_bracket(text) > kMaxNesting)
+    throw ConfigError(key, path.string() + " is not valid YAML: brackets in brackets, more than " +
+                               std::to_string(kMaxNesting) + " deep");
   try {
-    const YAML::Node root = YAML::LoadFile(file.string());
-    if (!root.IsMap()) throw ConfigError("file", file.string() + " is not a YAML mapping (key: value)");
-    return YamlSection(root, "", file);
-  } catch (const YAML::BadFile&) {
-    throw ConfigError("file", "cannot read " + file.string());
+    return YAML::Load(text);
   } catch (const YAML::Exception& problem) {
-    throw ConfigError("file", file.string() + " is not valid YAML: " + problem.what());
+    throw ConfigError(key, path.string() + " is not valid YAML: " + problem.what());
   }
+}
+
+YamlSection YamlSection::parse(const TextFile& file) {
+  const YAML::Node root = parse_yaml(file.text, "file", file.path);
+  if (!root.IsMap()) throw ConfigError("file", file.path.string() + " is not a YAML mapping (key: value)");
+  return {root, "", file.path};
 }
 
 YamlSection::YamlSection(const YAML::Node& node, std::string path, std::filesystem::path file)
@@ -80,7 +107,7 @@ YAML::Node YamlSection::require(const std::string& key) {
 
 double YamlSection::number(const std::string& key, double min, double max) {
   const YAML::Node node = require(key);
-  const auto value = as<double>(node, error(key, shown(node) + " is not a number"));
+  const double value = as_number(node, error(key, shown(node) + " is not a number"));
   if (!std::isfinite(value) || value < min || value > max) {
     std::ostringstream problem;
     problem << value << " is outside [" << min << ", " << max << "]";
@@ -98,15 +125,18 @@ double YamlSection::angle(const std::string& key_rad, double min_rad, double max
 
 int YamlSection::integer(const std::string& key, int min, int max) {
   const YAML::Node node = require(key);
-  const auto value = as<int>(node, error(key, shown(node) + " is not a whole number"));
-  if (value < min || value > max)
-    throw error(key, std::to_string(value) + " is outside [" + std::to_string(min) + ", " + std::to_string(max) + "]");
-  return value;
+  const auto value = node.IsScalar() ? number_from<int>(node.Scalar()) : std::nullopt;
+  if (!value) throw error(key, shown(node) + " is not a whole number");
+  if (*value < min || *value > max)
+    throw error(key, std::to_string(*value) + " is outside [" + std::to_string(min) + ", " + std::to_string(max) + "]");
+  return *value;
 }
 
 bool YamlSection::boolean(const std::string& key) {
   const YAML::Node node = require(key);
-  return as<bool>(node, error(key, shown(node) + " is not true or false"));
+  bool value = false;
+  if (!YAML::convert<bool>::decode(node, value)) throw error(key, shown(node) + " is not true or false");
+  return value;
 }
 
 std::string YamlSection::text(const std::string& key) {
@@ -120,7 +150,7 @@ std::vector<double> YamlSection::numbers(const std::string& key) {
   if (!node.IsSequence()) throw error(key, shown(node) + " is not a list of numbers");
   std::vector<double> values;
   for (const YAML::Node& element : node)
-    values.push_back(as<double>(element, error(key, shown(element) + " is not a number")));
+    values.push_back(as_number(element, error(key, shown(element) + " is not a number")));
   return values;
 }
 
@@ -139,6 +169,8 @@ std::filesystem::path YamlSection::file_path(const std::string& key) {
   const std::filesystem::path path = text(key);
   return path.is_absolute() ? path : file_.parent_path() / path;
 }
+
+TextFile YamlSection::file(const std::string& key) { return read_text_file(file_path(key), dotted(key)); }
 
 YamlSection YamlSection::section(const std::string& key) {
   const YAML::Node node = require(key);

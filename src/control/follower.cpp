@@ -138,6 +138,15 @@ std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(uti
 
 void Follower::restart(std::int64_t since_utime) {
   if (last_utime_) own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
+  forget_leader();
+}
+
+void Follower::restart_on_new_clock() noexcept {
+  own_ = OwnMotion(config_.drive, config_.limits);
+  forget_leader();
+}
+
+void Follower::forget_leader() noexcept {
   leader_.reset();
   announced_.reset();
   pid_.restart();

@@ -1,25 +1,13 @@
 #include "pilotfish/coordinator/coordinator.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "pilotfish/core/utime.hpp"
 
 namespace pilotfish {
 namespace {
-
-/// Reasons that are the picture's fault rather than the leader's absence.
-bool is_invalid_input(Reason reason) {
-  switch (reason) {
-    case Reason::frame_size_not_calibrated:
-    case Reason::frame_too_small:
-    case Reason::frame_too_large:
-    case Reason::frame_truncated:
-    case Reason::frame_stride_invalid:
-    case Reason::frame_time_not_advancing:
-    case Reason::frame_stale: return true;
-    default: return false;
-  }
-}
 
 /// Bearings of the left and the right edge of the picture, at half its height. The camera's place on the robot does not
 /// matter at the distances at which a leader is followed.
@@ -38,44 +26,82 @@ control::FollowerConfig with_view(const CoordinatorConfig& config) {
   return control;
 }
 
+void check_blind_travel(const CoordinatorConfig& config) {
+  const double max_age_s = config.safety.max_age_s;
+  const double top_mps = std::max(config.control.limits.max_linear_mps, config.control.limits.max_reverse_mps);
+  if (max_age_s <= kOrdinaryMaxAge_s || max_age_s * top_mps <= kMaxBlindTravel_m * (1.0 + 1e-9)) return;
+  std::ostringstream problem;
+  problem << max_age_s << " s at " << top_mps << " m/s is " << max_age_s * top_mps << " m of blind travel, more than "
+          << kMaxBlindTravel_m << " m; lower control.limits.max_linear_mps and max_reverse_mps to "
+          << kMaxBlindTravel_m / max_age_s << ", or max_age_s to " << kOrdinaryMaxAge_s;
+  throw ConfigError("safety.max_age_s", problem.str());
+}
+
+bool is_too_near(const Setpoint& setpoint, double stop_distance_m) { return setpoint.distance_m < stop_distance_m; }
+
 }  // namespace
 
 const std::vector<Parameter<SafetyConfig>>& SafetyConfig::parameters() {
-  static const std::vector<Parameter<SafetyConfig>> table = {
-      {"max_age_s", &SafetyConfig::max_age_s, 0.0, 0.1, "a measurement older than this moves nothing"},
+  using C = SafetyConfig;
+  static const std::vector<Parameter<C>> table = {
+      {"max_age_s", &C::max_age_s, 0.0, 0.25,
+       "a measurement older than this moves nothing; above 0.1 only if max_age_s x the top speed stays within 0.06 m"},
+      {"stop_distance_m", &C::stop_distance_m, 0.0, 20.0,
+       "no setpoint below this is taken: between turning centres, the halves of both robots and a margin"},
+      {"noiseless_camera", &C::noiseless_camera, 0, 1,
+       "true: pictures are synthetic, so that the same pixels again and again do not mean a frozen camera"},
   };
   return table;
 }
 
 Coordinator::Coordinator(const CoordinatorConfig& config)
-    : observer_(config.camera, config.mounting, config.leader, config.vision),
+    : max_age_us_(static_cast<std::int64_t>(config.safety.max_age_s * 1e6)),
+      stop_distance_m_(config.safety.stop_distance_m),
+      noiseless_camera_(config.safety.noiseless_camera),
+      timeline_(max_age_us_),
+      observer_(config.camera, config.mounting, config.leader, config.vision),
       follower_(with_view(config)),
       setpoint_(config.setpoint) {
   check_ranges(config.safety, "safety");
   check_ranges(config.setpoint, "setpoint");
-  max_age_us_ = static_cast<std::int64_t>(config.safety.max_age_s * 1e6);
+  check_blind_travel(config);
+  if (is_too_near(config.setpoint, stop_distance_m_)) {
+    std::ostringstream problem;
+    problem << config.setpoint.distance_m << " is below safety.stop_distance_m (" << stop_distance_m_ << ")";
+    throw ConfigError("setpoint.distance_m", problem.str());
+  }
+  held_.run = setpoint_.run;
 }
 
-StepResult Coordinator::step(const Frame& frame) noexcept {
-  if (!is_newer(frame.utime)) return not_measured(*last_frame_utime_, Reason::frame_time_not_advancing);
-  return answer_latest(frame.utime, observer_.observe(frame));
-}
-
-StepResult Coordinator::answer(std::int64_t utime, const vision::Sight& sight) noexcept {
-  if (!is_newer(utime)) return not_measured(*last_frame_utime_, Reason::frame_time_not_advancing);
-  return answer_latest(utime, sight);
-}
-
-bool Coordinator::is_newer(std::int64_t utime) noexcept {
-  // A frame from the past, or one seen before, says nothing about now; it must not rewind the clock of the age limit.
-  if (last_frame_utime_ && utime <= *last_frame_utime_) return false;
-  last_frame_utime_ = utime;
+StampVerdict Coordinator::judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
+  now_ = std::max(now_, now);
+  const StampVerdict verdict = timeline_.judge(utime, known_age_us, now_);
+  if (verdict.new_epoch) begin_epoch();
+  held_.utime = timeline_.last_utime().value_or(0);
   // Between the last measurement and this frame the wheels were told to stand still: the law starts from rest.
-  if (!fresh_at(utime)) rest(later(last_measured_utime_.value_or(utime), max_age_us_));
-  return true;
+  if (verdict.reason == Reason::none && !held_.fresh_at(now_))
+    rest(held_.holding ? later(measured_utime_, max_age_us_) : utime);
+  return verdict;
 }
 
-StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& sight) noexcept {
+StepResult Coordinator::step(const Frame& frame, MonotonicTime now) noexcept {
+  const StampVerdict verdict = judge(frame.utime, frame.known_age_us, now);
+  if (verdict.reason != Reason::none) return not_measured(frame.utime, verdict.reason);
+  if (!noiseless_camera_ && check(frame.image) == Reason::none && frozen_.is_frozen(frame.image)) {
+    rest(frame.utime);
+    return not_measured(frame.utime, Reason::camera_frozen);
+  }
+  return answer_latest(frame.utime, observer_.observe(frame), verdict.age_us);
+}
+
+StepResult Coordinator::answer(std::int64_t utime, const vision::Sight& sight, MonotonicTime now,
+                               std::int64_t known_age_us) noexcept {
+  const StampVerdict verdict = judge(utime, known_age_us, now);
+  if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
+  return answer_latest(utime, sight, verdict.age_us);
+}
+
+StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& sight, std::int64_t age_us) noexcept {
   if (!setpoint_.run) {
     rest(utime);
     StepResult result{utime, Status::stopped, Reason::told_to_stop, sight.observation, std::nullopt, Twist{}};
@@ -88,64 +114,56 @@ StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& s
     rest(utime);
     return not_measured(utime, Reason::law_not_finite);
   }
-  ever_measured_ = true;
-  last_measured_utime_ = utime;
-  last_command_ = control.command;
+  measured_utime_ = utime;
+  held_.ever_measured = true;
+  held_.command = control.command;
+  held_.from = now_;
+  held_.until = {now_.us + max_age_us_ - age_us};
+  held_.holding = true;
   return {utime, Status::tracking, Reason::none, sight.observation, control, control.command};
 }
 
-StepResult Coordinator::without_frame(std::int64_t utime, Reason reason) const noexcept {
-  return not_measured(utime, reason);
+StepResult Coordinator::command_at(MonotonicTime now, Reason reason) const noexcept {
+  const HeldAnswer answer = held_.at(now, reason);
+  return {held_.utime, answer.status, answer.reason, std::nullopt, std::nullopt, answer.command};
 }
 
 StepResult Coordinator::not_measured(std::int64_t utime, Reason reason) const noexcept {
-  StepResult result;
+  StepResult result = command_at(now_, reason);
   result.utime = utime;
-  result.reason = reason;
-  if (!setpoint_.run) {
-    result.status = Status::stopped;
-    result.reason = Reason::told_to_stop;
-    return result;
-  }
-  const bool fresh = fresh_at(utime);
-  if (fresh) result.command = last_command_;
-  if (is_invalid_input(reason)) {
-    result.status = Status::invalid_input;
-  } else if (fresh) {
-    result.status = Status::coasting;
-  } else {
-    result.status = ever_measured_ ? Status::lost : Status::searching;
-  }
   return result;
 }
 
-bool Coordinator::fresh_at(std::int64_t utime) const noexcept {
-  if (!last_measured_utime_) return false;
-  // As doubles: two times off a wire may be farther apart than an int64 can say; up to the year 2255 they are exact.
-  const double age_us = static_cast<double>(utime) - static_cast<double>(*last_measured_utime_);
-  // A measurement from the future is not to be trusted either.
-  return age_us >= 0.0 && age_us <= static_cast<double>(max_age_us_);
-}
-
 void Coordinator::rest(std::int64_t since_utime) noexcept {
-  last_measured_utime_.reset();
-  last_command_ = Twist{};
+  held_.holding = false;
+  held_.command = Twist{};
   follower_.restart(since_utime);
 }
 
+void Coordinator::begin_epoch() noexcept {
+  held_.holding = false;
+  held_.command = Twist{};
+  observer_.forget();
+  follower_.restart_on_new_clock();
+}
+
 bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
+  bool usable = !is_too_near(setpoint, stop_distance_m_);
   try {
     check_ranges(setpoint, "setpoint");
   } catch (const std::exception&) {
-    return false;
+    usable = false;
   }
-  setpoint_ = setpoint;
-  if (!setpoint.run) rest(last_frame_utime_.value_or(0));
+  if (!usable && setpoint.run) return false;
+  if (usable) setpoint_ = setpoint;
+  setpoint_.run = held_.run = setpoint.run;
+  if (!setpoint.run) rest(held_.utime);
   return true;
 }
 
 bool Coordinator::is_near_last_frame(std::int64_t utime) const noexcept {
-  return last_frame_utime_ && std::abs(seconds_between(*last_frame_utime_, utime)) <= kOtherClock_s;
+  const std::optional<std::int64_t> last = timeline_.last_utime();
+  return last && std::abs(seconds_between(*last, utime)) <= kOtherClock_s;
 }
 
 bool Coordinator::set_own_motion(std::int64_t utime, const Twist& twist) noexcept {

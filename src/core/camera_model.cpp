@@ -8,6 +8,8 @@
 namespace pilotfish {
 namespace {
 
+constexpr double kMaxAspect = 1.25;
+
 void require(bool holds, const char* key, double value, const char* allowed) {
   if (holds) return;
   std::ostringstream problem;
@@ -34,6 +36,32 @@ Eigen::Matrix2d distort_jacobian(const CameraModel& c, const Eigen::Vector2d& p)
   return jacobian;
 }
 
+/// A lens maps every direction to a pixel of its own, and bends none by more than a fisheye does. A distortion that
+/// folds the picture over (a sign lost, or a pattern that was never near the corners) or stretches it beyond that (k1 =
+/// 1e9) makes angles out of nothing. The outermost tenth of the picture on each side is left out: there, the
+/// polynomials of good calibrations are extrapolated.
+void check_lens(const CameraModel& camera) {
+  if (!camera.has_distortion()) return;
+  constexpr double kMargin = 0.1, kMaxError_px = 1.0, kMaxStretch = 5.0;
+  for (double u : {kMargin, 1.0 - kMargin})
+    for (double v : {kMargin, 1.0 - kMargin}) {
+      const Eigen::Vector2d pixel(u * camera.width, v * camera.height);
+      const Eigen::Vector2d straight((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
+      const Eigen::Vector2d normalized = normalize_pixel(camera, pixel);
+      const double error_px = (project_normalized(camera, normalized) - pixel).norm();
+      const double stretch = (straight.norm() + 1e-9) / (normalized.norm() + 1e-9);
+      // Behind a fold there is another solution: on the other side of the optical axis.
+      const bool same_side = straight.dot(normalized) >= 0.0;
+      if (error_px < kMaxError_px && same_side && stretch < kMaxStretch && stretch > 1.0 / kMaxStretch) continue;
+      std::ostringstream problem;
+      problem << "k1 = " << camera.k1 << ", k2 = " << camera.k2 << ", p1 = " << camera.p1 << ", p2 = " << camera.p2
+              << ", k3 = " << camera.k3 << " is no lens: allowed is what leads every direction to a pixel of its own, "
+              << "at " << 1.0 / kMaxStretch << " to " << kMaxStretch << " times the radius without distortion; pixel ("
+              << pixel.x() << ", " << pixel.y() << ") is none. Calibrate again, with the pattern all over the picture";
+      throw ConfigError("camera.distortion", problem.str());
+    }
+}
+
 }  // namespace
 
 void CameraModel::validate() const {
@@ -43,11 +71,20 @@ void CameraModel::validate() const {
   for (auto [key, value] : {std::pair{"fx", fx}, std::pair{"fy", fy}})
     require(std::isfinite(value) && value > 0.1 * longest && value < 100.0 * longest, key, value,
             "a focal length in pixels lies between 0.1 and 100 image sides");
+  // Pixels are square within a few percent; beside each other, two focal lengths tell more than each alone.
+  const double aspect = fx / fy;
+  if (!(aspect > 1.0 / kMaxAspect && aspect < kMaxAspect)) {
+    std::ostringstream problem;
+    problem << fx << " beside fy = " << fy << " is not allowed; pixels are nearly square, fx / fy lies between "
+            << 1.0 / kMaxAspect << " and " << kMaxAspect;
+    throw ConfigError("camera.fx", problem.str());
+  }
   require(std::isfinite(cx) && cx > 0.0 && cx < width, "cx", cx, "the principal point lies in the image");
   require(std::isfinite(cy) && cy > 0.0 && cy < height, "cy", cy, "the principal point lies in the image");
   for (auto [key, value] :
        {std::pair{"k1", k1}, std::pair{"k2", k2}, std::pair{"p1", p1}, std::pair{"p2", p2}, std::pair{"k3", k3}})
     require(std::isfinite(value), key, value, "distortion must be finite");
+  check_lens(*this);
 }
 
 Eigen::Vector2d project_normalized(const CameraModel& camera, const Eigen::Vector2d& normalized) {

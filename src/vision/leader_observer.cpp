@@ -190,7 +190,9 @@ Sight LeaderObserver::look(const Frame& frame) {
   const bool calibrated = image.width == camera_.width && image.height == camera_.height;
   if (defect != Reason::none || !calibrated) {
     ++rejected_.frames_invalid;
-    return {std::nullopt, defect != Reason::none ? defect : Reason::frame_size_not_calibrated};
+    // A picture of another size need not have been decoded at all; that its pixels are missing is not what is wrong.
+    const bool only_size = defect == Reason::none || (defect == Reason::frame_truncated && !calibrated);
+    return {std::nullopt, only_size ? Reason::frame_size_not_calibrated : defect};
   }
   const std::optional<Eigen::Isometry3d> predicted = track_.predict(frame.utime);
   Attempt followed;

@@ -83,7 +83,7 @@ def test_a_name_that_yaml_would_take_for_something_else_stays_a_name(tmp_path):
     ("arguments", "exit_code", "wrong"),
     [
         (["--tag-size", "large"], 2, "'large' is not a number of metres"),
-        (["--tag-size", "7=-0.1"], 2, "metres above 0"),
+        (["--tag-size", "7=-0.1"], 2, "0.005 to 5 metres"),
         (["--tag-size", "0.16", "--tag-size", "0.10"], 2, "several sizes"),
         (["--tag-size", "0.16", "--height-of", "0.3"], 2, "ID=METRES"),
         (["--tag-size", "0.16", "--reference-position", "0", "0", "0"], 2, "--reference-tag ID"),

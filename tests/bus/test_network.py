@@ -68,20 +68,6 @@ def test_waiting_without_a_subscription_ends(url):
     assert bus.Bus(url).handle(1) == 0
 
 
-@pytest.fixture(scope="session")
-def own_network():
-    """A command that runs another in a network namespace of its own, where nothing is set up."""
-    if not shutil.which("unshare") or not shutil.which("ip"):
-        pytest.skip("needs unshare (util-linux) and ip (iproute2)")
-    for wrapper in (["unshare", "--net"], ["unshare", "--net", "--map-root-user"]):
-        if (
-            subprocess.run([*wrapper, "ip", "link", "set", "lo", "up"], capture_output=True, check=False).returncode
-            == 0
-        ):
-            return wrapper
-    pytest.skip("this kernel or container allows no network namespaces")
-
-
 def test_without_a_route_the_error_names_commands_that_mend_it(own_network, url):
     refused = open_elsewhere(url, own_network)
     assert refused.returncode == 1

@@ -54,7 +54,7 @@ def test_frames_csv_gives_order_and_times(tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("", "line 1: cannot be read, or is empty"),
+        ("", "line 1: is empty"),
         ("file,time\n1.png,5\n", "line 1: there is no column 'utime_us'"),
         ("name,utime_us\n1.png,5\n", "line 1: there is no column 'file'"),
         ("file,utime_us\n1.png,5\n1.png,5.5\n", "line 3: '5.5' is not a whole number of microseconds"),

@@ -85,7 +85,7 @@ BROKEN = [
         r"camera\.mounting\.position_m: needs three numbers, got 2",
     ),
     (r"calibration: .*", "calibration: nowhere.yaml", r"calibration: cannot read .*nowhere\.yaml"),
-    (r"^leader: .*", "leader: nowhere.yaml", r"file: cannot read .*nowhere\.yaml"),
+    (r"^leader: .*", "leader: nowhere.yaml", r"^leader: cannot read .*nowhere\.yaml"),
     (r"^vision:", "visoin:", r"visoin: is not a known key here"),
     (r"^control:", "profile: paper\ncontrol:", r"profile"),
     (

@@ -208,7 +208,7 @@ def test_without_a_fresh_picture_an_announcement_moves_nothing():
             seen = core.Observation(utime=utime, distance_m=1.5, covariance=np.diag([3e-4, 1e-4, 8e-4]) ** 2)
             if words:
                 heart.set_announced_motion(utime, twist(0.0 if k < 30 else 0.5))
-            results.append(heart.answer(utime, seen if k < 30 else None))
+            results.append(heart.answer(utime, seen if k < 30 else None, utime))
         return results
 
     told, alone = heart_after(True), heart_after(False)

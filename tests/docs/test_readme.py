@@ -59,7 +59,11 @@ CHECKS = {
     "pilotfish-coordinator --config data/config/coordinator.yaml --source camera:0": "no camera",
     "pilotfish-coordinator --config data/config/line.yaml": "real time",
     "pilotfish-sim --scenario data/scenarios/line.yaml --realtime": "real time",
+    "pilotfish stop robot1": "operator",
+    "pilotfish setpoint robot1 --distance-m 1.2 --bearing-deg -10": "operator",
+    "pilotfish resume robot1": "operator",
     "pilotfish-spy": "program",
+    "pilotfish doctor": "doctor",
     "lcm-logger run.log": "log",
     "lcm-logplayer run.log": "log",
     "pilotfish-coordinator --config data/config/line.yaml --source log:run.log --json": "log",
@@ -114,6 +118,13 @@ def test_an_experiment_ends_with_a_table_and_pictures(desk, tmp_path):
     assert list((tmp_path / "out").glob("*.png"))
 
 
+def test_the_doctor_has_a_verdict(desk):
+    (command,) = commands_checked_as("doctor")
+    done = desk(command)
+    assert done.returncode in (0, 1), done.stderr
+    assert "multicast route" in done.stdout
+
+
 def test_without_a_camera_it_says_so(desk):
     (command,) = commands_checked_as("no camera")
     if Path("/dev/video0").exists():
@@ -121,6 +132,13 @@ def test_without_a_camera_it_says_so(desk):
     done = desk(command)
     assert done.returncode == 69
     assert "camera" in done.stderr
+
+
+def test_an_operator_is_told_that_there_is_no_robot_on_this_bus(desk):
+    for command in commands_checked_as("operator"):  # what they do to one that is there: tests/python/test_operating.py
+        done = desk(command)
+        assert done.returncode == 69
+        assert "no coordinator of robot1 is heard" in done.stderr
 
 
 def test_simulator_and_coordinator_meet_in_real_time_and_the_log_can_be_replayed(desk, tmp_path):

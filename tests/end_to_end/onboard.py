@@ -24,7 +24,9 @@ FOURCC_GRAY = 1497715271  # bot_core's PIXEL_FORMAT_GRAY
 class Onboard:
     """A running coordinator with the bus around it. Use as a context manager."""
 
-    def __init__(self, folder: Path, *options: str, config: Path = LINE_CONFIG, robot: str = "robot1") -> None:
+    def __init__(
+        self, folder: Path, *options: str, config: Path = LINE_CONFIG, robot: str = "robot1", simulated: bool = True
+    ) -> None:
         self.url = private_lcm_url()
         self.robot = robot
         self.commands: list[command_t] = []
@@ -32,6 +34,8 @@ class Onboard:
         self.bus.subscribe(f"{robot.upper()}_COMMAND", lambda _, data: self.commands.append(command_t.decode(data)))
         program = find_executable(COORDINATOR)
         command = [program, "--config", config, "--lcm-url", self.url, "--json", *options]
+        if simulated:  # images are sent as fast as they are answered
+            command.append("--simulated-time")
         self.child = Child(command, folder, robot)
 
     def __enter__(self) -> Onboard:
@@ -86,4 +90,4 @@ class Onboard:
 def same_in_process(frames: list[core.Frame], config: Path = LINE_CONFIG) -> list[coordinator.StepResult]:
     """What Coordinator.step says to these frames: the program around it must change nothing."""
     heart = coordinator.Coordinator(coordinator.load_coordinator(str(config)).coordinator)
-    return [heart.step(frame) for frame in frames]
+    return [heart.step(frame, frame.utime) for frame in frames]

@@ -22,13 +22,15 @@ def run(*arguments):
 
 def test_without_a_command_the_help_is_shown():
     _, said = run()
-    for command in ("experiment", "render", "plot", "learn-body", "tune", "demo"):
+    for command in ("stop", "resume", "setpoint", "key", "experiment", "render", "plot", "learn-body", "tune", "demo"):
         assert f" {command} " in said
 
 
-@pytest.mark.parametrize("command", ["experiment", "render", "plot", "learn-body", "tune", "demo"])
+@pytest.mark.parametrize(
+    "command", ["stop", "resume", "setpoint", "key new", "experiment", "render", "plot", "learn-body", "tune", "demo"]
+)
 def test_every_help_has_an_example_to_copy(command):
-    result, said = run(command, "--help")
+    result, said = run(*command.split(), "--help")
     assert result.exit_code == 0
     assert re.search(rf"Examples?\b.*pilotfish {command} ", said)
 

@@ -134,13 +134,13 @@ class Traffic:
         self.bus.publish_observation("robot1", bus.ObservationReport(utime=utime, observation=seen))
         self.bus.publish_command("robot1", bus.CommandReport(utime=utime, counter=utime))
         self.bus.publish_status("robot1", bus.StatusReport(utime=utime, rejected={"image_corrupt": 2}))
-        self.bus.publish_setpoint("robot1", core.Setpoint(distance_m=1.1), utime=utime)
+        self.bus.publish_setpoint("robot1", bus.SetpointReport(utime=utime, setpoint=core.Setpoint(distance_m=1.1)))
         self.bus.publish_pose("robot1", pose)
         self.bus.publish_motion("robot1", bus.MotionReport(utime=utime, twist=core.Twist(linear_mps=0.2)))
 
 
 CHANNELS = ["COMMAND", "IMAGE", "MOTION", "OBSERVATION", "POSE", "SETPOINT", "STATUS"]  # as the table sorts them
-TYPES = {"bot_core": 3, "pilotfish": 7}
+TYPES = {"bot_core": 3, "pilotfish": 9}
 
 
 def test_every_channel_shows_its_decoded_fields(tmp_path, screen, monkeypatch):

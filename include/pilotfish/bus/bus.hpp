@@ -7,9 +7,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "pilotfish/bus/encoded_image.hpp"
 #include "pilotfish/bus/key.hpp"
+#include "pilotfish/bus/last_words.hpp"
 #include "pilotfish/bus/reports.hpp"
-#include "pilotfish/core/frame.hpp"
 
 namespace pilotfish::bus {
 
@@ -49,6 +50,8 @@ class Bus {
   /// Published numbers are always finite: what is not is replaced (a command by zeros) and counted in
   /// rejected(). Only names and setpoints that cannot be right throw (ConfigError).
   void publish(const std::string& robot, const CommandReport& report);
+  /// The same command as something that a dying process can still send.
+  std::unique_ptr<LastWords> last_words(const std::string& robot, const CommandReport& report);
   void publish(const std::string& robot, const ObservationReport& report);
   void publish(const std::string& robot, const StatusReport& report);
   void publish(const std::string& robot, const PoseReport& report);
@@ -58,7 +61,9 @@ class Bus {
   /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
   void publish_image(const std::string& channel, const Frame& frame);
 
+  /// Decodes every picture that comes. Who needs only the newest takes on_encoded_image() and decodes that one.
   void on_image(const std::string& channel, std::function<void(Frame)> handler);
+  void on_encoded_image(const std::string& channel, std::function<void(EncodedImage)> handler);
   /// A stop comes in from anyone (see SetpointReport). The handler asks a SetpointGate.
   void on_setpoint(const std::string& robot, std::function<void(SetpointReport)> handler);
   void on_command(const std::string& robot, std::function<void(CommandReport)> handler);
@@ -71,9 +76,15 @@ class Bus {
 
   /// Waits up to timeout_ms for a message, then handles all that have come. Returns how many. A signal ends
   /// the wait. If a handler throws, the messages behind it wait for the next call, and the exception comes
-  /// out here. A queue holds 30 messages of a channel and then drops the NEW ones: call often, handle all,
-  /// use the newest.
+  /// out here. One call takes at most 1000 datagrams and 8 MiB off the wire, so that no flood keeps it; then it may
+  /// return 0 before the time is up. Between two calls messages wait in the socket's receive buffer, which drops the
+  /// NEW ones when full (receive_buffer_full), whatever their channel; with another provider than udpm, liblcm's queue
+  /// does, which holds 30 of a channel. So: call often, handle all, use the newest.
   int handle(int timeout_ms);
+
+  /// When the message that is being handled reached this host. It may have waited since, e.g. while this process was
+  /// stopped. Of a message in fragments, its first one; of tcpq:// and logs, up to 5 ms before.
+  MonotonicTime arrival() const;
 
   /// Messages dropped at this edge, by kind: "image_corrupt", "setpoint_out_of_bounds", ... Names have at
   /// most 24 letters, so that they fit into a StatusReport.

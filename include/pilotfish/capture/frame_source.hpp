@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -15,20 +16,32 @@ class CaptureError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Pictures, one after the other. next() blocks until there is one, so a live source belongs on a thread of its own.
+/// How long next() of a live source waits before it returns without a frame. Short, so that whoever reads it can be
+/// told to stop; a camera that is pulled out ends at once.
+inline constexpr std::chrono::milliseconds kPatience{250};
+
+/// Pictures, one after the other. next() may wait, so a live source belongs on a thread of its own.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The next frame; nothing at the end (or when a camera has gone). A picture that cannot be decoded comes
-  /// as a frame without pixels (0 x 0), so that it is counted and refused downstream instead of vanishing.
+  /// The next frame. Nothing: the source has ended(), or it is live and no frame came within kPatience (call again).
+  /// A picture that cannot be decoded comes as a frame without pixels (0 x 0), so that it is counted and refused
+  /// downstream instead of vanishing. Never throws.
   virtual std::optional<Frame> next() = 0;
+  /// Why there will be no more frames, as a line for the log; empty while there may be. A live source that has ended
+  /// (pulled out, silent for seconds) can only be opened anew.
+  virtual std::string why_ended() const = 0;
+  bool ended() const { return !why_ended().empty(); }
   /// Frames come whether or not anyone asks for them: use the newest. Otherwise every frame matters.
   virtual bool live() const = 0;
   /// One line for the log, e.g. "images in data/run1 (300 pictures, 30 Hz)".
   virtual std::string describe() const = 0;
 };
 
-/// V4L or other camera by number, asked for the calibration's size; frames carry the time at which they were read.
+/// Video4Linux camera by number, asked for the calibration's size. A frame's known_age_us is the time from the driver's
+/// stamp (exposure, or the picture's last byte where the driver stamps that) to the return of next(); its utime is the
+/// wall clock at the exposure. Only the newest picture is delivered; what the driver marks as damaged, or is not
+/// whole, comes without pixels.
 std::unique_ptr<FrameSource> open_camera(int index, int width, int height, double frame_rate_hz);
 /// Video file; frames carry the file's own timestamps.
 std::unique_ptr<FrameSource> open_video(const std::string& path);

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "pilotfish/config/text_file.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
@@ -11,20 +12,26 @@
 
 namespace pilotfish::config {
 
+// Each load_x(path) is parse_x(read_text_file(path)).
+
 /// ViSP's camera XML (vpXmlParserCamera) or OpenCV's calibration YAML (camera_matrix, distortion_coefficients,
 /// image_width, image_height), told apart by their content. Throws ConfigError.
 CameraModel load_calibration(const std::filesystem::path& file);
+CameraModel parse_calibration(const TextFile& file);
 
 /// The tags of a leader; see data/leaders/. Throws ConfigError.
 LeaderBody load_leader_body(const std::filesystem::path& file);
+LeaderBody parse_leader_body(const TextFile& file);
 
 /// Fuzzy sets and rules: our YAML (see data/fuzzy/) or, where the name ends in .fll, fuzzylite's FLL (see
 /// fuzzy_text.hpp). Proved before it is returned. Throws ConfigError naming the variable, term, cell or line.
 fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
+fuzzy::Controller parse_fuzzy_controller(const TextFile& file);
 
 /// The keys of the coordinator's section `control` as a file of their own, as `pilotfish tune` writes it; what it does
 /// not name stays. Throws ConfigError.
 void load_tuning(const std::filesystem::path& file, control::FollowerConfig& config);
+void parse_tuning(const TextFile& file, control::FollowerConfig& config);
 
 /// Where the coordinator's own twist is measured.
 enum class Odometry {
@@ -49,5 +56,6 @@ struct CoordinatorFile {
 };
 /// Throws ConfigError naming the key.
 CoordinatorFile load_coordinator(const std::filesystem::path& file);
+CoordinatorFile parse_coordinator(const TextFile& file);
 
 }  // namespace pilotfish::config

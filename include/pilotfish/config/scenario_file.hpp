@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "pilotfish/config/text_file.hpp"
 #include "pilotfish/sim/scenario.hpp"
 
 namespace pilotfish::config {
@@ -10,5 +11,6 @@ namespace pilotfish::config {
 /// coordinator) are relative to it; the first two are read, the coordinator's is left to whoever starts one.
 /// Throws ConfigError.
 sim::Scenario load_scenario(const std::filesystem::path& file);
+sim::Scenario parse_scenario(const TextFile& file);
 
 }  // namespace pilotfish::config

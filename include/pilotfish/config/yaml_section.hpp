@@ -8,17 +8,21 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/config/text_file.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/parameter.hpp"
 
 namespace pilotfish::config {
 
+/// The YAML in a text. Throws ConfigError with `key` if there is none, or if it is nested without end.
+YAML::Node parse_yaml(const std::string& text, const std::string& key, const std::filesystem::path& path);
+
 /// One mapping of a YAML file, read strictly: a missing required key, a key of the wrong type, a value out of range and
 /// a key nobody asked for are all ConfigError with the dotted key. Angles `x_rad` may be written `x_deg`.
 class YamlSection {
  public:
-  /// Throws ConfigError (key "file") if it cannot be read or is not a mapping.
-  static YamlSection load(const std::filesystem::path& file);
+  /// Throws ConfigError (key "file") if it is not a mapping.
+  static YamlSection parse(const TextFile& file);
 
   YamlSection(const YAML::Node& node, std::string path, std::filesystem::path file);
 
@@ -35,6 +39,7 @@ class YamlSection {
   std::string text(const std::string& key);
   std::vector<double> numbers(const std::string& key);        ///< a list of numbers of any length; inf and NaN pass
   std::filesystem::path file_path(const std::string& key);    ///< relative to the file this section was read from
+  TextFile file(const std::string& key);                      ///< the file that stands there, read
   std::vector<std::string> texts(const std::string& key);     ///< a list of texts of any length
   YamlSection section(const std::string& key);                ///< a nested mapping
   std::vector<YamlSection> sections(const std::string& key);  ///< a list of mappings

@@ -89,8 +89,11 @@ class Follower {
   /// Forget the past: from since_utime on the robot is told to stand still. The next follow() starts with ec = 0 from
   /// rest; dead reckoning goes on, because the wheels still have to come to rest.
   void restart(std::int64_t since_utime);
+  /// The same where the next observation's time does not relate to any before: dead reckoning begins anew, too.
+  void restart_on_new_clock() noexcept;
 
  private:
+  void forget_leader() noexcept;
   /// What the active law wants, not yet limited.
   Twist wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
   /// The paper's law.

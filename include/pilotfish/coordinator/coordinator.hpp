@@ -1,10 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "pilotfish/control/follower.hpp"
+#include "pilotfish/coordinator/frame_timeline.hpp"
+#include "pilotfish/coordinator/frozen_camera.hpp"
+#include "pilotfish/coordinator/held_command.hpp"
 #include "pilotfish/core/frame.hpp"
+#include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
@@ -12,9 +17,18 @@
 namespace pilotfish {
 
 struct SafetyConfig {
-  double max_age_s = 0.1;  ///< a measurement older than this moves nothing: then v = w = 0
+  double max_age_s = 0.1;         ///< a measurement older than this moves nothing: then v = w = 0
+  double stop_distance_m = 0.4;   ///< no setpoint below this is taken: there the two robots would touch
+  bool noiseless_camera = false;  ///< frames are synthetic: the same pixels twice are no sign of a frozen camera
   static const std::vector<Parameter<SafetyConfig>>& parameters();
 };
+
+/// What the age limit bounds is blind travel: max_age_s times the top speed. Above 100 ms it is allowed only as far as
+/// that product stays what it is at 0.6 m/s and 100 ms.
+inline constexpr double kOrdinaryMaxAge_s = 0.1;
+inline constexpr double kMaxBlindTravel_m = 0.06;
+/// Frames must come a little more often than measurements die, or the robot would stutter: 12 Hz at 100 ms.
+inline constexpr double kMinFramesPerMaxAge = 1.2;
 
 /// Everything a coordinator needs to know; see data/config/coordinator.yaml.
 struct CoordinatorConfig {
@@ -39,32 +53,42 @@ struct StepResult {
 
 /// The heart, on one screen:
 ///
-///     Frame --> vision::LeaderObserver --> Observation --> control::Follower --> Twist
-///                        |
-///                        +--> no observation: hold the last command for max_age_s, then zero
+///     Frame, arrival --> FrameTimeline: in order, fresh? --> FrozenCamera --> vision::LeaderObserver --> Observation
+///                                                                                                           |
+///     Twist <-- HeldCommand: until the measurement is max_age_s old, then zero <-- control::Follower <------+
 ///
-/// Pure and deterministic: no clock, no I/O, no randomness. All time is the frames' own exposure time, so the robot,
-/// the simulator, a replay and pytest run the same code and get the same bits. step() never throws.
+/// Pure and deterministic: no clock, no I/O, no randomness. `now` is monotonic and given: the same frames at the same
+/// times give the same bits, on the robot, in the simulator, in a replay and in pytest. step() never throws.
 ///
 ///   searching --measured--> tracking --not measured--> coasting --older than max_age_s--> lost --measured--> tracking
 ///   any --setpoint.run = false--> stopped;  a frame that cannot be used is "not measured" too, as invalid_input
+///
+/// Nothing about a frame that is not a measurement can lengthen the life of the last one: HeldCommand is written when
+/// the law has answered a measurement, and cleared; nowhere else.
 class Coordinator {
  public:
   /// Throws ConfigError naming the parameter.
   explicit Coordinator(const CoordinatorConfig& config);
 
-  StepResult step(const Frame& frame) noexcept;
+  /// now: when the frame arrived at this host, however long it waited for this call. Never before an earlier `now`; if
+  /// it is, the earlier one holds.
+  StepResult step(const Frame& frame, MonotonicTime now) noexcept;
 
   /// step() without the eyes: `sight` is what the observer made of the frame exposed at `utime`. For simulations that
-  /// draw measurements instead of pictures; everything behind the observer is the same.
-  StepResult answer(std::int64_t utime, const vision::Sight& sight) noexcept;
+  /// draw measurements instead of pictures, and for replays of recorded ones; everything behind the observer is the
+  /// same.
+  StepResult answer(std::int64_t utime, const vision::Sight& sight, MonotonicTime now,
+                    std::int64_t known_age_us = 0) noexcept;
 
-  /// What holds at `utime` (on the frames' clock) if no newer frame has come: the last command for as long as it is
-  /// fresh, then zeros. Changes nothing, so a watchdog may ask as often as it likes without disturbing determinism.
-  /// `reason` says what was missing: no frame at all, or only one that was too old on arrival.
-  StepResult without_frame(std::int64_t utime, Reason reason = Reason::no_frame) const noexcept;
+  /// What holds at `now` if no newer frame has come: the last command for as long as it is fresh, then zeros. Changes
+  /// nothing, so a watchdog may ask as often as it likes without disturbing determinism. `reason` says what was
+  /// missing.
+  StepResult command_at(MonotonicTime now, Reason reason = Reason::no_frame) const noexcept;
+  /// The same as a value, for whoever sends commands on a thread of its own.
+  const HeldCommand& held() const { return held_; }
 
-  /// False, and the old one stays, if a number is out of range or not finite.
+  /// False, and the old one stays, if a number is out of range, not finite, or asks for less than the stop distance. A
+  /// stop is always taken: then only `run` changes if the rest cannot be used.
   bool set_setpoint(const Setpoint& setpoint) noexcept;
   const Setpoint& setpoint() const { return setpoint_; }
 
@@ -77,22 +101,27 @@ class Coordinator {
   static constexpr double kOtherClock_s = 1.0;
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
 
+  std::int64_t clock_epochs() const { return timeline_.epochs(); }  ///< how often the source's clock was set
+
  private:
-  bool fresh_at(std::int64_t utime) const noexcept;
   bool is_near_last_frame(std::int64_t utime) const noexcept;
-  StepResult answer_latest(std::int64_t utime, const vision::Sight& sight) noexcept;
+  StepResult answer_latest(std::int64_t utime, const vision::Sight& sight, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
-  bool is_newer(std::int64_t utime) noexcept;    ///< if so, it is the latest; rests if nothing is fresh any more
+  StampVerdict judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
   void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: forget the motion so far
+  void begin_epoch() noexcept;                   ///< nothing that was seen or driven so far relates to the new stamps
 
   std::int64_t max_age_us_ = 0;
+  double stop_distance_m_ = 0.0;
+  bool noiseless_camera_ = false;
+  FrameTimeline timeline_;
+  FrozenCamera frozen_;
   vision::LeaderObserver observer_;
   control::Follower follower_;
   Setpoint setpoint_;
-  std::optional<std::int64_t> last_frame_utime_;
-  std::optional<std::int64_t> last_measured_utime_;  ///< empty while the wheels rest
-  bool ever_measured_ = false;
-  Twist last_command_;  ///< of the last measured frame
+  MonotonicTime now_{std::numeric_limits<std::int64_t>::min()};  ///< the latest that was given
+  std::int64_t measured_utime_ = 0;                              ///< of what is held
+  HeldCommand held_;
 };
 
 }  // namespace pilotfish

@@ -49,7 +49,7 @@ def write_leader_body(file: Path, body: LeaderBody, remarks: Sequence[str] = ())
         text += "".join([f"  - {first}\n", *(f"    {line}\n" for line in others)])
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text)
-    return load_leader_body(file)
+    return load_leader_body(file) if file.is_file() else body  # /dev/stdout cannot be read back
 
 
 def _plain(tag: BodyTag) -> dict[str, object]:

@@ -1,14 +1,17 @@
 """The command line: ``pilotfish stop | resume | setpoint | key`` and ``experiment | render | plot | learn-body | tune |
-fuzzy | demo``."""
+fuzzy | demo | doctor``."""
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
 
 from pilotfish import __version__
+from pilotfish.cli import console
 from pilotfish.cli.demo import demo
+from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.learn_body import learn_body
@@ -26,9 +29,15 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (stop, resume, setpoint, experiment, render, plot, learn_body, tune, demo):
+for command in (experiment, render, plot, learn_body, tune, demo, doctor):
     app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
+
+
+def main() -> None:
+    """The program ``pilotfish``."""
+    sys.exit(console.run(app))
 
 
 def _print_version(wanted: bool) -> None:

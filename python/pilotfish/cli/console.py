@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 
 import typer
 from rich.console import Console
@@ -12,10 +16,19 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from pilotfish.errors import PilotfishError
 
-console = Console()
-_errors = Console(stderr=True)
+
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))  # like any other error; rich would exit with 1
+
+
+console = _Console()
+_errors = _Console(stderr=True)
 
 OnProgress = Callable[[int, int | None], None]
+
+IO_ERROR = 74  # exit code, of sysexits.h
+NO_READER = 141  # 128 + SIGPIPE: `| head` has seen enough, as a shell says it
 
 
 @contextmanager
@@ -32,7 +45,17 @@ def warn(message: str) -> None:
     _errors.print(f"[yellow]warning:[/] {escape(message)}", soft_wrap=True)
 
 
-IO_ERROR = 74  # exit code, of sysexits.h
+def check_writable(file: Path) -> None:
+    """OSError if ``file`` cannot be written, before hours are spent on what is to stand there. Creates nothing."""
+    if file.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(file))
+    there = file if os.path.lexists(file) else file.parent
+    while not os.path.lexists(there):
+        there = there.parent
+    if there != file and not there.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(there))
+    if not os.access(there, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(there))
 
 
 @contextmanager
@@ -41,11 +64,60 @@ def friendly_errors() -> Iterator[None]:
     keep theirs."""
     try:
         yield
+        _flush()
     except PilotfishError as error:
-        _errors.print(f"[bold red]pilotfish:[/] {escape(str(error))}", soft_wrap=True)
+        _say(str(error))
         raise typer.Exit(error.exit_code) from error
     except OSError as error:
-        if error.filename is None:
-            raise  # no file of the user's
-        _errors.print(f"[bold red]pilotfish:[/] {escape(f'{error.filename}: {error.strerror}')}", soft_wrap=True)
+        if error.errno is None:
+            raise  # not the system's: a library's own
+        if isinstance(error, BrokenPipeError):
+            raise typer.Exit(NO_READER) from error
+        where = error.filename if error.filename is not None else "cannot write"  # standard output, or a full disk
+        _say(f"{where}: {error.strerror}")
         raise typer.Exit(IO_ERROR) from error
+
+
+def run(app: typer.Typer) -> int:
+    """The whole command line; its exit code. Also what fails outside of any command, such as printing the help,
+    ends with one line."""
+    _fill_missing_streams()
+    try:
+        with friendly_errors():
+            try:
+                app(prog_name="pilotfish")
+            finally:
+                _flush()
+    except typer.Exit as end:
+        code = end.exit_code
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+    _give_up_streams()
+    return code
+
+
+def _say(message: str) -> None:
+    with suppress(OSError):  # nobody listens
+        _errors.print(f"[bold red]pilotfish:[/] {escape(message)}", soft_wrap=True)
+
+
+def _flush() -> None:
+    if sys.stdout is not None:
+        sys.stdout.flush()
+
+
+def _fill_missing_streams() -> None:
+    """Else the next file that is opened gets the number 1, and what is printed lands in it."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(descriptor, True)
+    os.close(descriptor)
+
+
+def _give_up_streams() -> None:
+    """What could not be written by now never will be; Python would try once more, and complain."""
+    for stream, descriptor in ((sys.stdout, 1), (sys.stderr, 2)):
+        try:
+            if stream is not None:
+                stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pilotfish.cli.console import console, friendly_errors
+from pilotfish.cli.options import between
 from pilotfish.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -26,10 +26,8 @@ FileArgument = Annotated[
 FINDINGS = 1  # exit code of check
 
 
-def _finite(value: float) -> float:
-    if not math.isfinite(value):
-        raise typer.BadParameter(f"{value} is not a number that a rule could fire at")
-    return value
+_INPUT = between(-1e9, 1e9)  # universes are of the order of one; outside, an input saturates
+_WIDTH = between(0.0, 1e9)
 
 
 @app.command()
@@ -106,10 +104,12 @@ def plot(
 @app.command()
 def explain(
     file: FileArgument,
-    error: Annotated[float, typer.Option("--e", callback=_finite, help="The error, on its universe.")],
-    error_change: Annotated[float, typer.Option("--ec", callback=_finite, help="Its change, on its universe.")] = 0.0,
-    width_error: Annotated[float, typer.Option(min=0.0, help="Width of the input A' of eq. (6); 0: singleton.")] = 0.0,
-    width_error_change: Annotated[float, typer.Option(min=0.0, help="Width of B'.")] = 0.0,
+    error: Annotated[float, typer.Option("--e", callback=_INPUT, help="The error, on its universe.")],
+    error_change: Annotated[float, typer.Option("--ec", callback=_INPUT, help="Its change, on its universe.")] = 0.0,
+    width_error: Annotated[
+        float, typer.Option(callback=_WIDTH, help="Width of the input A' of eq. (6); 0: singleton.")
+    ] = 0.0,
+    width_error_change: Annotated[float, typer.Option(callback=_WIDTH, help="Width of B'.")] = 0.0,
     out: Annotated[Path | None, typer.Option("--out", dir_okay=False, help="Draw it, into this file.")] = None,
 ) -> None:
     """Say which rules fire at one pair of inputs, how strongly, and what comes of them.

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.options import between
 
 if TYPE_CHECKING:
     from pilotfish.body_learning import KnownTag, TagSizes, TurningCentre
     from pilotfish.capture import FrameSource
 
+LENGTH_M = (0.005, 5.0)  # of a tag's side, as in core.BodyTag, and of its height
+_ANGLE = between(-360.0, 360.0, "degrees")
 TURNING, KNOWN = "The base frame from the turning", "The base frame from a tag whose place is known"
 
 
@@ -42,7 +45,9 @@ def learn_body(
     ] = None,
     facing_deg: Annotated[
         float,
-        typer.Option("--reference-facing-deg", help="Where that tag looks: 0 forward, 90 left, 180 to the rear."),
+        typer.Option(
+            "--reference-facing-deg", callback=_ANGLE, help="Where that tag looks: 0 forward, 90 left, 180 to the rear."
+        ),
     ] = 180.0,
     height_of: Annotated[
         str | None,
@@ -62,11 +67,14 @@ def learn_body(
         ),
     ] = None,
     tilt_deg: Annotated[
-        float, typer.Option("--reference-tilt-deg", help="Positive: it looks up.", rich_help_panel=KNOWN)
+        float,
+        typer.Option("--reference-tilt-deg", callback=_ANGLE, help="Positive: it looks up.", rich_help_panel=KNOWN),
     ] = 0.0,
     roll_deg: Annotated[
         float,
-        typer.Option("--reference-roll-deg", help="Turned clockwise, as one reads it.", rich_help_panel=KNOWN),
+        typer.Option(
+            "--reference-roll-deg", callback=_ANGLE, help="Turned clockwise, as one reads it.", rich_help_panel=KNOWN
+        ),
     ] = 0.0,
     reference_leader: Annotated[
         Path | None,
@@ -116,6 +124,7 @@ def learn_body(
 
     sizes = _sizes(tag_size)
     with friendly_errors():
+        check_writable(output)
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before the film is opened
@@ -154,8 +163,9 @@ def _number(text: str, option: str) -> float:
         value = float(text)
     except ValueError:
         raise typer.BadParameter(f"{option}: '{text}' is not a number of metres") from None
-    if not (math.isfinite(value) and value > 0.0):
-        raise typer.BadParameter(f"{option}: {text} is not a length; metres above 0 are")
+    low, high = LENGTH_M
+    if not low <= value <= high:
+        raise typer.BadParameter(f"{option}: {text} is not a length here; {low:g} to {high:g} metres are")
     return value
 
 

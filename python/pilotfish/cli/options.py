@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+
+def between(low: float, high: float, unit: str = "") -> Callable[[float | None], float | None]:
+    """A callback that lets only numbers from low to high through; click's own ranges let NaN pass."""
+
+    def check(value: float | None) -> float | None:
+        if value is not None and not low <= value <= high:
+            raise typer.BadParameter(f"{value} is not a number from {low:g} to {high:g} {unit}".rstrip())
+        return value
+
+    return check
 
 
 class Which(str, Enum):
@@ -54,7 +66,11 @@ InProcessOption = Annotated[
 ]
 DurationOption = Annotated[
     float | None,
-    typer.Option("--duration-s", min=0.5, help="Play this long instead of what the scenario says."),
+    typer.Option(
+        "--duration-s",
+        callback=between(0.5, 1e5, "s"),
+        help="Play this long instead of what the scenario says; 0.5 to 1e5 s.",
+    ),
 ]
 OutOption = Annotated[
     Path | None,

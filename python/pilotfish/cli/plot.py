@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors
+from pilotfish.cli.options import between
 from pilotfish.errors import ConfigError
 
 
@@ -25,9 +26,14 @@ def plot(
         str | None, typer.Option(help="Whose run, if the recording holds several; default: every robot's.")
     ] = None,
     distance_setpoint_m: Annotated[
-        float | None, typer.Option(help="d_p, if the recording does not say it (pilotfish-sim's do not).")
+        float | None,
+        typer.Option(
+            callback=between(0.0, 1e3, "m"), help="d_p, if the recording does not say it (pilotfish-sim's do not)."
+        ),
     ] = None,
-    bearing_setpoint_deg: Annotated[float, typer.Option(help="theta_pd, likewise.")] = 0.0,
+    bearing_setpoint_deg: Annotated[
+        float, typer.Option(callback=between(-360.0, 360.0, "degrees"), help="theta_pd, likewise.")
+    ] = 0.0,
 ) -> None:
     """Draw a recording (distance error, paths) or a fuzzy controller (sets, control surface).
 

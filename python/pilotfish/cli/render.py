@@ -14,7 +14,9 @@ from pilotfish.cli.options import Profile, ProfileOption
 def render(
     scenario: Annotated[str, typer.Argument(help="A scenario file, or the name of a shipped one (line, circle, ...).")],
     out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for the pictures and frames.csv.")],
-    frames: Annotated[int | None, typer.Option(min=1, help="How many; default: the whole scenario.")] = None,
+    frames: Annotated[
+        int | None, typer.Option(min=1, max=1_000_000, help="How many; default: the whole scenario.")
+    ] = None,
     robot: Annotated[str | None, typer.Option(help="Whose camera; default: the first follower's.")] = None,
     profile: ProfileOption = Profile.anticipate,
 ) -> None:

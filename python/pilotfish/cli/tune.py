@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress
 
 
 class Tunable(str, Enum):
@@ -20,8 +20,10 @@ class Tunable(str, Enum):
 
 def tune(
     law: Annotated[Tunable, typer.Argument(help="A profile of the fuzzy law, or a peer.")],
-    trials: Annotated[int, typer.Option(min=1, help="Sets of parameters to try; some 0.7 s each.")] = 200,
-    seed: Annotated[int, typer.Option(min=0, help="Of the search and of the measurements' noise.")] = 1,
+    trials: Annotated[
+        int, typer.Option(min=1, max=1_000_000, help="Sets of parameters to try; some 0.7 s each.")
+    ] = 200,
+    seed: Annotated[int, typer.Option(min=0, max=2**32 - 1, help="Of the search and of the measurements' noise.")] = 1,
     out: Annotated[Path | None, typer.Option("-o", "--out", dir_okay=False, help="YAML to write.")] = None,
 ) -> None:
     """Search a law's parameters on a straight, a circling, a stopping and a cornering leader.
@@ -37,6 +39,8 @@ def tune(
     from pilotfish.tuning import tune as search
 
     with friendly_errors():
+        if out:
+            check_writable(out)
         with progress(f"tuning {law.value}") as step:
             tuned = search(law.value, trials, seed, step)
         console.print(f"cost {tuned.cost_before:.3f} -> {tuned.cost:.3f}")

@@ -60,4 +60,4 @@ class DrawnSight:
         )
 
     def answer(self, world: sim.World, robot: str, driver: coordinator.Coordinator) -> coordinator.StepResult:
-        return driver.answer(world.utime, self.look(world, robot))
+        return driver.answer(world.utime, self.look(world, robot), world.utime)

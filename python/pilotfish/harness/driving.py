@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from pilotfish import control, coordinator, data
+from pilotfish import control, coordinator, data, fuzzy
 from pilotfish.errors import ConfigError
 
 PROFILES = ("paper", "anticipate")
@@ -22,6 +22,12 @@ class Driving:
     def __post_init__(self) -> None:
         if self.name not in PROFILES + PEERS:
             raise ConfigError(f"'{self.name}' does not drive; choose {', '.join(PROFILES + PEERS)}")
+        if self.tuning:  # refused here, before anything is started
+            law = fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
+            try:
+                coordinator.load_tuning(self.tuning, control.FollowerConfig(law=law))
+            except ValueError as error:
+                raise ConfigError(f"tuning: {error}") from error
 
     @property
     def tuning_file(self) -> Path | None:

@@ -77,7 +77,7 @@ def run_in_process(
                 tell(world, robot.name, drivers[robot.name])
             if delivered:  # else nobody answers, and the wheels go on with what they were told last
                 driver = drivers[robot.name]
-                result = driver.step(frame) if frame is not None else drawn.answer(world, robot.name, driver)
+                result = driver.step(frame, frame.utime) if frame is not None else drawn.answer(world, robot.name, driver)
                 latency_s = world.scenario.robot(robot.name).camera.latency_s
                 world.command(robot.name, result.command, time_s + latency_s)
                 answers[robot.name] = result

@@ -51,7 +51,8 @@ def run_over_lcm(
         coordinators: dict[str, Child] = {}
         for robot in scenario.robots:
             command = [coordinator_program, "--config", robot.coordinator_file, "--name", robot.name]
-            command += ["--source", "lcm", "--lcm-url", url, *driving.options(), *coordinator_options, "--json"]
+            command += ["--source", "lcm", "--lcm-url", url, *driving.options(), *coordinator_options]
+            command += ["--simulated-time", "--json"]
             coordinators[robot.name] = children.enter_context(Child(command, folder, robot.name))
         for child in coordinators.values():
             child.wait_until(lambda child=child: _is_ready(child), READY_WITHIN_S, "being ready")

@@ -1,0 +1,144 @@
+#include "bus_listener.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <utility>
+
+#include "real_time.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+constexpr int kHandle_ms = 50;
+
+/// Stamps closer than this to our wall clock are taken for stamps of a wall clock, which then says how old they are.
+/// Farther away they are of a clock of their own, of which only the order says something. Decided for each frame anew:
+/// what one frame says must not vouch for another.
+constexpr std::int64_t kSameClock_us = 10'000'000;
+
+std::int64_t wall_utime() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1'000;
+}
+
+std::int64_t known_age_us(std::int64_t utime, MonotonicTime arrival) {
+  const std::int64_t arrived_utime = wall_utime() - (monotonic_now().us - arrival.us);
+  const double age_us = static_cast<double>(arrived_utime) - static_cast<double>(utime);
+  return std::abs(age_us) < static_cast<double>(kSameClock_us) ? static_cast<std::int64_t>(age_us) : 0;
+}
+
+}  // namespace
+
+BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> inbox)
+    : config_(config),
+      inbox_(std::move(inbox)),
+      bus_(config.url),
+      gate_(config.session, config.stop_distance_m),
+      kept_(config.setpoint) {
+  if (config_.key) bus_.set_key(*config_.key);
+  bus_.on_command(config_.robot, [this](const bus::CommandReport& command) {
+    if (command.session == config_.session) return;  // our own, which comes back
+    rival_ = command.session;
+    if (sender_ != nullptr) sender_->rival_heard(monotonic_now());
+  });
+  bus_.on_base(config_.robot, [this](const bus::BaseReport& base) {
+    if (sender_ != nullptr) sender_->base_heard(base.session);
+  });
+  bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& asked) { hear_setpoint(asked); });
+  if (!config_.image_channel.empty())
+    bus_.on_encoded_image(config_.image_channel, [this](const bus::EncodedImage& image) {
+      const std::int64_t age_us = config_.simulated ? 0 : known_age_us(image.utime, image.arrival);
+      inbox_->put(PendingFrame{image.arrival, [this, image, age_us] { return decode(image, age_us); }});
+    });
+  if (config_.odometry)
+    bus_.on_pose(config_.robot, [this](const bus::MotionReport& own) {
+      inbox_->put(ToldMotion{own.utime, own.twist, false});
+    });
+  if (!config_.announcements_from.empty())
+    bus_.on_motion(config_.announcements_from, [this](const bus::MotionReport& leader) {
+      inbox_->put(ToldMotion{leader.utime, leader.twist, true});
+    });
+}
+
+BusListener::~BusListener() { stop(); }
+
+std::optional<Frame> BusListener::decode(const bus::EncodedImage& image, std::int64_t age_us) {
+  if (image.width != config_.width || image.height != config_.height) {
+    // Not worth decoding. It goes on without pixels, so that the status says what is wrong.
+    Frame frame;
+    frame.utime = image.utime;
+    frame.image.width = frame.image.stride_bytes = image.width;
+    frame.image.height = image.height;
+    return frame;
+  }
+  std::string_view rejection;
+  std::optional<Frame> frame = bus::decode(image, rejection);
+  if (frame) {
+    frame->known_age_us = age_us;
+  } else {
+    const std::lock_guard lock(mutex_);
+    ++refused_pictures_[std::string(rejection)];
+  }
+  return frame;
+}
+
+void BusListener::hear_setpoint(const bus::SetpointReport& asked) {
+  if (sender_ == nullptr) return;
+  const SetpointDecision decision = gate_.decide(asked.session, asked.counter, asked.setpoint, kept_);
+  switch (decision.verdict) {
+    case SetpointVerdict::stopped: sender_->stop_heard(); break;
+    case SetpointVerdict::accepted: break;
+    default: ++refused_setpoints_[std::string(to_string(decision.verdict))]; return;
+  }
+  kept_ = decision.setpoint;
+  inbox_->put(ToldSetpoint{kept_, gate_.last_counter(), sender_->stops_heard()});
+}
+
+std::optional<std::int64_t> BusListener::rival_within(int milliseconds) {
+  const MonotonicTime begin = monotonic_now();
+  for (std::int64_t left_ms = milliseconds; left_ms > 0 && !rival_;
+       left_ms = milliseconds - (monotonic_now().us - begin.us) / 1000)
+    bus_.handle(static_cast<int>(left_ms));
+  return rival_;
+}
+
+void BusListener::start(CommandSender& sender, std::function<void(const std::string&)> failed) {
+  sender_ = &sender;
+  thread_ = std::thread([this, failed = std::move(failed)] { run(failed); });
+}
+
+void BusListener::run(const std::function<void(const std::string&)>& failed) {
+  become_real_time("the bus", kVisionPriority);
+  try {
+    while (!stopping_) {
+      bus_.handle(kHandle_ms);
+      note_refused();
+    }
+  } catch (const std::exception& error) {
+    failed(error.what());
+  }
+}
+
+void BusListener::stop() {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void BusListener::note_refused() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, count] : bus_.rejected()) refused_[name] = count;
+  for (const auto& [name, count] : refused_setpoints_) refused_[name] = count;
+}
+
+Counters BusListener::refused() const {
+  const std::lock_guard lock(mutex_);
+  Counters all = refused_;
+  for (const auto& [name, count] : refused_pictures_) all[name] += count;
+  return all;
+}
+
+}  // namespace pilotfish::apps

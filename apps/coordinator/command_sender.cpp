@@ -1,0 +1,183 @@
+#include "command_sender.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "real_time.hpp"
+
+namespace pilotfish::apps {
+namespace {
+
+/// The zero at the deadline leaves so much before it: waking up and the way over the bus take time, and the rule counts
+/// at the wheels.
+constexpr std::int64_t kSendAhead_us = 6'000;
+/// Wheels stop by themselves 100 ms after the last command: also of a slow camera they hear more often than that.
+constexpr std::int64_t kLongestSilence_us = 50'000;
+constexpr std::int64_t kRivalFor_us = 1'000'000;
+constexpr int kLastZeros = 3;  // a datagram may be lost
+
+MonotonicTime later(MonotonicTime time, std::int64_t by_us) { return {time.us + by_us}; }
+
+}  // namespace
+
+CommandSender::CommandSender(const SenderConfig& config, Publish publish)
+    : config_(config),
+      period_us_(std::min(static_cast<std::int64_t>(1e6 / config.frame_rate_hz), kLongestSilence_us)),
+      // A frame that is a little late is no reason for a command of its own.
+      patience_us_(std::min(period_us_ + period_us_ / 2, kLongestSilence_us)),
+      publish_(std::move(publish)),
+      next_beat_(monotonic_now()),
+      thread_([this] { run(); }) {}
+
+CommandSender::~CommandSender() {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+    changed_.notify_all();
+  }
+  thread_.join();
+}
+
+HeldAnswer CommandSender::holds_at(MonotonicTime now, Reason reason) const {
+  if (rival_ && now.us - rival_->us < kRivalFor_us)
+    return {Status::invalid_input, Reason::another_coordinator, Twist{}};
+  if (stops_told_ < stops_heard_) return {Status::stopped, Reason::told_to_stop, Twist{}};
+  return held_.at(now, reason);
+}
+
+HeldAnswer CommandSender::send(HeldAnswer answer, std::int64_t image_utime, MonotonicTime now) {
+  bus::CommandReport report;
+  report.utime = image_utime;
+  report.session = config_.session;
+  report.counter = ++counts_.sent;
+  report.base_session = base_session_;
+  report.simulated = config_.simulated;
+  report.command = answer.command;
+  report.status = answer.status;
+  report.reason = answer.reason;
+  publish_(report);
+  if (!held_.fresh_at(later(now, kSendAhead_us))) {
+    // The wheels rest from here on; the next zero is one of many.
+    if (!deadline_served_ && held_.holding && held_.until < now) ++counts_.missed_deadlines;
+    deadline_served_ = true;
+  }
+  return answer;
+}
+
+HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& held, std::int64_t image_utime) {
+  const std::lock_guard lock(mutex_);
+  if (finished_) return {result.status, result.reason, Twist{}};
+  const MonotonicTime now = monotonic_now();
+  held_ = held;
+  image_utime_ = image_utime;
+  HeldAnswer answer{result.status, result.reason, result.command};
+  if (config_.simulated) {
+    // The simulated clock stood still while the frame was looked at. From now on real time counts here.
+    const bool moves = held.holding && !(result.command == Twist{});
+    held_.from = now;
+    held_.until = later(now, moves ? static_cast<std::int64_t>(config_.max_age_s * 1e6) : -1);
+  }
+  deadline_served_ = !held_.fresh_at(now);
+  const HeldAnswer holds = holds_at(now, result.reason);
+  const bool overruled = holds.reason == Reason::another_coordinator || holds.status == Status::stopped;
+  if (overruled) {
+    answer = holds;
+  } else if (!(answer.command == Twist{}) && !held_.fresh_at(now)) {
+    answer = held_.at(now, Reason::frame_stale);  // looking took too long
+  }
+  last_answer_ = answer;
+  send(answer, image_utime, now);
+  next_beat_ = later(now, patience_us_);
+  changed_.notify_one();  // what is due next may be due earlier than what the thread waits for
+  return answer;
+}
+
+void CommandSender::answer_again(std::int64_t image_utime) {
+  const std::lock_guard lock(mutex_);
+  if (finished_) return;
+  const MonotonicTime now = monotonic_now();
+  HeldAnswer holds = holds_at(now, last_answer_.reason);
+  if (holds.command == last_answer_.command && holds.status != Status::stopped) holds = last_answer_;
+  send(holds, image_utime, now);
+}
+
+void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
+  const std::lock_guard lock(mutex_);
+  held_.run = held.run;
+  if (!held.run || !held.holding) held_.holding = false;
+  stops_told_ = std::max(stops_told_, stops);
+}
+
+std::int64_t CommandSender::stop_heard() {
+  const std::lock_guard lock(mutex_);
+  ++stops_heard_;
+  held_.holding = false;
+  const MonotonicTime now = monotonic_now();
+  if (!finished_) send(holds_at(now, Reason::told_to_stop), image_utime_, now);
+  return stops_heard_;
+}
+
+std::int64_t CommandSender::stops_heard() const {
+  const std::lock_guard lock(mutex_);
+  return stops_heard_;
+}
+
+void CommandSender::rival_heard(MonotonicTime now) {
+  const std::lock_guard lock(mutex_);
+  ++counts_.rivals_heard;
+  const bool moving = held_.fresh_at(now) && !(held_.command == Twist{});
+  rival_ = now;
+  held_.holding = false;
+  if (moving && !finished_) send(holds_at(now, Reason::another_coordinator), image_utime_, now);
+}
+
+void CommandSender::base_heard(std::int64_t base_session) {
+  const std::lock_guard lock(mutex_);
+  base_session_ = base_session;
+}
+
+void CommandSender::finish(Reason reason) {
+  const std::lock_guard lock(mutex_);
+  if (finished_) return;
+  held_.holding = false;
+  const HeldAnswer zeros{reason == Reason::told_to_stop ? Status::stopped : Status::invalid_input, reason, Twist{}};
+  for (int i = 0; i < kLastZeros; ++i) send(zeros, image_utime_, monotonic_now());
+  finished_ = true;
+  changed_.notify_all();
+}
+
+SenderCounts CommandSender::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+std::int64_t CommandSender::beats() const {
+  const std::lock_guard lock(mutex_);
+  return beats_;
+}
+
+MonotonicTime CommandSender::due() const {
+  if (deadline_served_ || !held_.holding) return next_beat_;
+  return std::min(next_beat_, later(held_.until, 1 - kSendAhead_us));  // `until` itself is still fresh
+}
+
+void CommandSender::run() {
+  become_real_time("commands", kCommandsPriority);
+  std::unique_lock lock(mutex_);
+  while (!finished_) {
+    ++beats_;
+    const MonotonicTime now = monotonic_now();
+    const MonotonicTime due_at = due();
+    if (now < due_at) {
+      changed_.wait_for(lock, std::chrono::microseconds(due_at.us - now.us));
+      continue;
+    }
+    counts_.lateness.add(static_cast<double>(now.us - due_at.us) * 1e-6);
+    // Asked for the moment at which it is heard.
+    send(holds_at(later(now, kSendAhead_us), Reason::no_frame), image_utime_, now);
+    next_beat_ = later(now, period_us_);
+  }
+}
+
+}  // namespace pilotfish::apps

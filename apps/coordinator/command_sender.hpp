@@ -1,0 +1,90 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "pilotfish/bus/reports.hpp"
+#include "pilotfish/coordinator/coordinator.hpp"
+#include "stage_times.hpp"
+
+namespace pilotfish::apps {
+
+struct SenderConfig {
+  std::int64_t session = 0;
+  double frame_rate_hz = 30.0;
+  double max_age_s = 0.1;
+  bool simulated = false;  ///< frames carry a simulated time
+};
+
+/// What the sender knows beyond the commands it was given.
+struct SenderCounts {
+  std::int64_t sent = 0;
+  std::int64_t missed_deadlines = 0;  ///< a zero that left after its measurement had become too old
+  std::int64_t rivals_heard = 0;      ///< commands of somebody else under this robot's name
+  StageTimes lateness;                ///< of what it sends by itself
+};
+
+/// Owes the wheels a command: the answer to a frame at once, otherwise one every period, and one at the very moment the
+/// last measurement becomes too old. On a thread of its own, so that nothing which looks, prints or waits can hold it
+/// up; and whoever calls, the age is looked at again when a command leaves.
+///
+/// What may only make it more careful comes from any thread and acts at once: a stop, a rival, a failure.
+class CommandSender {
+ public:
+  /// Called with the lock held, never by two threads at a time.
+  using Publish = std::function<void(const bus::CommandReport&)>;
+
+  CommandSender(const SenderConfig& config, Publish publish);
+  ~CommandSender();  ///< sends nothing more; finish() first
+  CommandSender(const CommandSender&) = delete;
+  CommandSender& operator=(const CommandSender&) = delete;
+
+  /// A frame was answered: the command leaves now. `held` is the coordinator's after that. Returns what really left.
+  HeldAnswer answer(const StepResult& result, const HeldCommand& held, std::int64_t image_utime);
+  /// The same frame was asked about again: the same answer, as far as it still holds.
+  void answer_again(std::int64_t image_utime);
+  /// The coordinator was told something; `stops` of the stops that were heard are in it.
+  void told(const HeldCommand& held, std::int64_t stops);
+
+  /// A stop was heard: zeros from now on, until the coordinator has been told of it and of a resume. Returns its
+  /// number.
+  std::int64_t stop_heard();
+  std::int64_t stops_heard() const;
+  /// Somebody else commands this robot: zeros from both, until a second after the last of the other's.
+  void rival_heard(MonotonicTime now);
+  void base_heard(std::int64_t base_session);
+  /// Zeros with that reason, three times because a datagram may be lost, and nothing after them.
+  void finish(Reason reason);
+
+  SenderCounts counts() const;
+  std::int64_t beats() const;  ///< of its own thread: it is alive if this rises
+
+ private:
+  HeldAnswer holds_at(MonotonicTime now, Reason reason) const;
+  HeldAnswer send(HeldAnswer answer, std::int64_t image_utime, MonotonicTime now);
+  MonotonicTime due() const;
+  void run();
+
+  const SenderConfig config_;
+  const std::int64_t period_us_, patience_us_;
+  const Publish publish_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  HeldCommand held_;  ///< its times are those of the monotonic clock, also where the frames' are simulated
+  HeldAnswer last_answer_;
+  std::int64_t image_utime_ = 0, base_session_ = 0;
+  std::int64_t stops_heard_ = 0, stops_told_ = 0;
+  std::optional<MonotonicTime> rival_;
+  MonotonicTime next_beat_;
+  bool deadline_served_ = true;  ///< the zero at the end of what is held has left
+  bool finished_ = false;
+  std::int64_t beats_ = 0;
+  SenderCounts counts_;
+  std::thread thread_;  // last: it uses everything above
+};
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,51 @@
+#include "inbox.hpp"
+
+#include <utility>
+
+namespace pilotfish::apps {
+
+void Inbox::put(PendingFrame frame) {
+  const std::lock_guard lock(mutex_);
+  if (newest_) ++overtaken_;
+  newest_ = std::move(frame);
+  changed_.notify_one();
+}
+
+void Inbox::put(const Told& told) {
+  const std::lock_guard lock(mutex_);
+  if (told_.size() == kMostTold) {
+    told_.pop_front();
+    ++forgotten_;
+  }
+  told_.push_back(told);
+  changed_.notify_one();
+}
+
+Inbox::Taken Inbox::take(std::chrono::microseconds patience) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, patience, [&] { return woken_ || newest_.has_value() || !told_.empty(); });
+  woken_ = false;
+  Taken taken;
+  taken.frame = std::exchange(newest_, std::nullopt);
+  taken.told.assign(told_.begin(), told_.end());
+  told_.clear();
+  return taken;
+}
+
+void Inbox::wake() {
+  const std::lock_guard lock(mutex_);
+  woken_ = true;
+  changed_.notify_one();
+}
+
+std::int64_t Inbox::overtaken() const {
+  const std::lock_guard lock(mutex_);
+  return overtaken_;
+}
+
+std::int64_t Inbox::forgotten() const {
+  const std::lock_guard lock(mutex_);
+  return forgotten_;
+}
+
+}  // namespace pilotfish::apps

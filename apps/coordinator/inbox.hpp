@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/core/monotonic.hpp"
+#include "pilotfish/core/setpoint.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish::apps {
+
+/// A picture that has arrived and has not been decoded: of many, only the newest is worth it.
+struct PendingFrame {
+  MonotonicTime at;
+  std::function<std::optional<Frame>()> decode;  ///< nothing: it was refused, and counted where that was noticed
+};
+
+/// What the coordinator is told between frames, in the order in which it came.
+struct ToldSetpoint {
+  Setpoint setpoint;
+  std::int64_t counter = 0;      ///< of the operator
+  std::int64_t stops_heard = 0;  ///< by the sender of commands when this came, see CommandSender
+};
+struct ToldMotion {
+  std::int64_t utime = 0;
+  Twist twist;
+  bool of_the_leader = false;
+};
+using Told = std::variant<ToldSetpoint, ToldMotion>;
+
+/// From the threads that listen (bus, camera) to the one that looks. Never waits for the one that looks: an older frame
+/// makes place for a newer one, and of a flood of messages the oldest go.
+class Inbox {
+ public:
+  void put(PendingFrame frame);
+  void put(const Told& told);
+
+  struct Taken {
+    std::optional<PendingFrame> frame;
+    std::vector<Told> told;
+  };
+  /// What there is, waiting `patience` at most for the first of it.
+  Taken take(std::chrono::microseconds patience);
+  void wake();  ///< take() returns at once, with nothing
+
+  std::int64_t overtaken() const;  ///< frames that were replaced before anyone looked
+  std::int64_t forgotten() const;  ///< messages that did not fit
+
+ private:
+  static constexpr std::size_t kMostTold = 256;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<PendingFrame> newest_;
+  std::deque<Told> told_;
+  bool woken_ = false;
+  std::int64_t overtaken_ = 0, forgotten_ = 0;
+};
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,58 @@
+#include "reporter.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "pilotfish/core/angles.hpp"
+
+namespace pilotfish::apps {
+
+bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& timing) const {
+  Counters counters = parts_.refused();
+  counters.insert(refused.begin(), refused.end());
+  if (const std::int64_t overtaken = parts_.inbox.overtaken()) counters["frames_overtaken"] = overtaken;
+  if (const std::int64_t forgotten = parts_.inbox.forgotten()) counters["messages_forgotten"] = forgotten;
+  if (const std::int64_t lost = parts_.log.lost()) counters["log_lines_lost"] = lost;
+  const SenderCounts sender = parts_.sender.counts();
+  if (sender.rivals_heard > 0) counters["rival_commands"] = sender.rivals_heard;
+
+  bus::StatusReport status = status_report(result, coordinator_, timing, counters);
+  status.session = config_.session;
+  status.setpoint_counter = setpoint_counter;
+  status.configured_latency_s = config_.configured_latency_s;
+  status.clock_epochs = coordinator_.clock_epochs();
+  status.missed_deadlines = sender.missed_deadlines;
+  const auto stage = [&](const char* name, const StageTimes& times) {
+    status.stages.push_back({name, times.counts(), times.max_ms()});
+  };
+  stage("waited", waited);
+  stage("looked", looked);
+  stage("answered", answered);
+  stage("beats_late", sender.lateness);
+  return status;
+}
+
+void Reporter::report(const StepResult& result, const StepTiming& timing) {
+  parts_.reports.publish(config_.robot, observation_report(result, timing));
+  parts_.reports.publish(config_.robot, status(result, timing));
+  log_change(result);
+}
+
+void Reporter::print(const StepResult& result, const StepTiming& timing) const {
+  if (config_.json) parts_.log.line(json_line(result, timing));
+}
+
+/// One line per change of status or reason, however many frames it lasts.
+void Reporter::log_change(const StepResult& result) {
+  if (logged_ == std::pair(result.status, result.reason)) return;
+  logged_ = {result.status, result.reason};
+  const std::string_view reason = to_string(result.reason);
+  const char* separator = reason.empty() ? "" : ": ";
+  if (result.observation) {
+    spdlog::info("{}{}{}  d = {:.3f} m, bearing = {:.1f} deg", to_string(result.status), separator, reason,
+                 result.observation->distance_m, degrees(result.observation->bearing_rad));
+  } else {
+    spdlog::info("{}{}{}", to_string(result.status), separator, reason);
+  }
+}
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+
+#include "control_loop.hpp"
+#include "stage_times.hpp"
+#include "translate.hpp"
+
+namespace pilotfish::apps {
+
+/// What leaves the program besides commands: observation, status, log, JSON.
+class Reporter {
+ public:
+  Reporter(const LoopConfig& config, const LoopParts& parts, const Coordinator& coordinator)
+      : config_(config), parts_(parts), coordinator_(coordinator) {}
+
+  /// result: as it left, with what the sender made of its command.
+  void report(const StepResult& result, const StepTiming& timing);
+  void print(const StepResult& result, const StepTiming& timing) const;
+
+  Counters refused;  ///< by the loop itself
+  std::int64_t setpoint_counter = 0;
+  StageTimes waited, looked, answered;
+
+ private:
+  bus::StatusReport status(const StepResult& result, const StepTiming& timing) const;
+  void log_change(const StepResult& result);
+
+  const LoopConfig& config_;
+  const LoopParts& parts_;
+  const Coordinator& coordinator_;
+  std::optional<std::pair<Status, Reason>> logged_;
+};
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "command_sender.hpp"
+#include "inbox.hpp"
+#include "service_notify.hpp"
+
+namespace pilotfish::apps {
+
+/// Takes the signals, tells the service manager of progress (of the thread that owes commands and of the one that
+/// looks, both; that a thread of its own is alive would prove nothing), and sees to it that the program ends: at once
+/// if asked, and whatever a thread is stuck in.
+class Supervisor {
+ public:
+  Supervisor(CommandSender& sender, Inbox& inbox);
+  ~Supervisor();
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  void ready(const std::string& source);  ///< once: to the service manager
+  void looked() { ++turns_; }             ///< one turn of the loop that looks
+  bool stop_requested() const { return stopping_; }
+  bool failed() const { return failed_; }
+  /// From any thread: zeros, and the end.
+  void fail(const std::string& problem);
+
+ private:
+  void stop(Reason reason);
+  void watch();
+  void run();
+
+  CommandSender& sender_;
+  Inbox& inbox_;
+  ServiceNotify service_;
+  std::atomic<bool> ready_{false}, stopping_{false}, failed_{false}, over_{false};
+  std::atomic<std::int64_t> turns_{0};
+  std::int64_t last_turns_ = -1, last_beats_ = -1;
+  MonotonicTime looked_at_;  ///< when the loop that looks was last seen to turn
+  std::thread thread_;       // last: it uses everything above
+};
+
+}  // namespace pilotfish::apps

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "pilotfish/core/frame.hpp"
+#include "pilotfish/core/monotonic.hpp"
+
+namespace pilotfish::bus {
+
+/// A picture as it came: type, sizes, format and time are checked, and not one pixel has been decoded. So whoever
+/// gets more pictures than it can use throws the old ones away for nothing.
+struct EncodedImage {
+  std::int64_t utime = 0;
+  int width = 0;
+  int height = 0;
+  MonotonicTime arrival;                                     ///< when its first byte reached this host
+  std::shared_ptr<const std::vector<std::uint8_t>> message;  ///< bot_core.image_t
+};
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+/// The picture in gray; raw gray shares the message's bytes. Nothing, and why not, if it is damaged (image_corrupt,
+/// image_jpeg_refused, ...). Any thread may call it.
+std::optional<Frame> decode(const EncodedImage& image, std::string_view& rejection);
+/// The same for a picture of the expected size only: another one is image_size_unexpected, and costs nothing.
+std::optional<Frame> decode(const EncodedImage& image, ImageSize expected, std::string_view& rejection);
+
+}  // namespace pilotfish::bus

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pilotfish::bus {
+
+/// One message, encoded while all is well, that a dying process can still send: from a signal handler or
+/// std::terminate, where neither memory nor locks may be asked for.
+class LastWords {
+ public:
+  /// A whole LCM datagram for a udpm:// URL; with any other provider send() does nothing. Throws BusError if the URL is
+  /// wrong or there is no socket.
+  LastWords(const std::string& url, const std::string& channel, const std::vector<std::uint8_t>& message);
+  ~LastWords();
+  LastWords(const LastWords&) = delete;
+  LastWords& operator=(const LastWords&) = delete;
+
+  /// Async-signal-safe: sendto(2) and nothing else, three times, because a datagram may be lost.
+  void send() const noexcept;
+
+ private:
+  int socket_ = -1;
+  sockaddr_in address_{};
+  std::vector<std::uint8_t> datagram_;
+};
+
+}  // namespace pilotfish::bus

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace pilotfish::config {
+
+/// The largest configuration, calibration, leader, controller or scenario that is read: some fifty times the largest
+/// there is, and what yaml-cpp (0.2 MB/s) still reads in a second or two.
+inline constexpr std::size_t kMaxTextBytes = 256 * 1024;
+
+/// A text, and where it came from: for messages, and because files it names are relative to it.
+struct TextFile {
+  std::filesystem::path path;
+  std::string text;
+};
+
+/// The only way in which this room reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError with the
+/// key that named the file.
+TextFile read_text_file(const std::filesystem::path& path, const std::string& key = "file");
+
+}  // namespace pilotfish::config

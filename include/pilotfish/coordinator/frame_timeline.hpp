@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "pilotfish/core/monotonic.hpp"
+#include "pilotfish/core/status.hpp"
+
+namespace pilotfish {
+
+/// What a frame's stamp is worth.
+struct StampVerdict {
+  Reason reason = Reason::none;  ///< none: in order and fresh
+  bool new_epoch = false;        ///< the source's clock was set; nothing that was measured before relates to this stamp
+  std::int64_t age_us = 0;       ///< known to have passed from the exposure to the arrival, never negative
+};
+
+/// Who believes a stamp, and for what: stamps order the frames and give the time between two of them. They never prove
+/// that a frame is fresh; only its arrival on the monotonic clock can.
+///
+/// With t the arrival and s the stamp of a frame, t - s is a constant (the two clocks' offset) plus what the frame took
+/// to arrive. Relative to an anchor, the first frame of an *epoch*,
+///
+///   x = (t - t0) - (s - s0),    least = min x so far,    late = x - least >= 0:   what this frame surely took longer
+///
+/// A frame in order (s later than the last) with x not below -kAhead_us fits the epoch. It is stale if it is late by
+/// more than max_age. Clocks drift, so the anchor follows by kDrift, and least rises by as much.
+///
+/// A stamp that time itself forbids, backward or of the future, is refused. When kFramesToAgree of them in a row agree
+/// with each other and with the monotonic clock, while none fits the old epoch, the source's clock was set: a new epoch
+/// begins, from rest. Frames that are merely late never end an epoch: that is a slow pipeline, and no clock.
+class FrameTimeline {
+ public:
+  explicit FrameTimeline(std::int64_t max_age_us) : max_age_us_(max_age_us) {}
+
+  /// known_age_us: Frame::known_age_us. now: the frame's arrival, not before any earlier one.
+  StampVerdict judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
+
+  std::optional<std::int64_t> last_utime() const;
+  std::int64_t epochs() const { return epochs_; }  ///< how often a new one began after the first
+
+  static constexpr int kFramesToAgree = 5;
+  static constexpr double kAhead_us = 50'000.0;
+  static constexpr double kAgree_us = 25'000.0;
+  static constexpr double kRunGap_us = 1'000'000.0;  ///< two frames of a run are not farther apart
+  static constexpr double kDrift = 1e-3;             ///< of two clocks, of which one may be slewed
+
+ private:
+  struct Mark {
+    std::int64_t utime = 0;
+    MonotonicTime at;
+  };
+  bool agrees_with_run(std::int64_t utime, MonotonicTime now) const noexcept;
+  StampVerdict refuse(Reason reason, std::int64_t utime, MonotonicTime now) noexcept;
+  StampVerdict begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
+
+  std::int64_t max_age_us_;
+  std::optional<Mark> last_;  ///< of this epoch
+  double offset_us_ = 0.0;    ///< x of the last
+  double least_us_ = 0.0;
+  std::optional<Mark> run_;  ///< the last of those that do not fit
+  int agreeing_ = 0;
+  std::int64_t epochs_ = 0;
+};
+
+}  // namespace pilotfish

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "pilotfish/core/monotonic.hpp"
+#include "pilotfish/core/status.hpp"
+#include "pilotfish/core/twist.hpp"
+
+namespace pilotfish {
+
+/// What holds at some instant between two frames.
+struct HeldAnswer {
+  Status status = Status::searching;
+  Reason reason = Reason::none;
+  Twist command;
+};
+
+/// A command that dies by itself: the one of the last measurement, until that is max_age old. A value, so that whoever
+/// sends commands asks a copy of it without waiting for the vision.
+struct HeldCommand {
+  std::int64_t utime = 0;      ///< of the last frame that was in order [us]
+  Twist command;               ///< zero unless something is held
+  MonotonicTime from, until;   ///< both inclusive; the measurement's arrival, and its exposure plus max_age
+  bool holding = false;        ///< false: the wheels rest, whatever the time
+  bool run = true;             ///< the setpoint's
+  bool ever_measured = false;  ///< tells lost from searching
+
+  /// The last command while `now` is in [from, until], zeros otherwise; `reason` says what was missing. A clock that
+  /// went backward, and a measurement of the future, move nothing.
+  HeldAnswer at(MonotonicTime now, Reason reason) const noexcept;
+  bool fresh_at(MonotonicTime now) const noexcept { return run && holding && from <= now && now <= until; }
+};
+
+}  // namespace pilotfish

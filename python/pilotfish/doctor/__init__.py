@@ -1,0 +1,56 @@
+"""Looks at the machine for ``pilotfish doctor``: each check is a function of a Host, and says what is to be done.
+
+from pilotfish import doctor
+for finding in doctor.examine():
+    print(finding.check, finding.verdict.value, finding.seen, finding.advice)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from pilotfish.doctor import bus_ears, devices, network, programs, system
+from pilotfish.doctor.finding import Finding, Verdict, note
+from pilotfish.doctor.host import Host
+
+__all__ = ["Finding", "Host", "Verdict", "examine"]
+
+
+def examine(
+    host: Host | None = None,
+    *,
+    lcm_url: str = network.DEFAULT_URL,
+    listen_s: float = 1.0,
+    black_box: str = system.BLACK_BOX,
+) -> list[Finding]:
+    """Every check, one after the other. Nothing raises: what cannot be looked at becomes a note."""
+    host = host or Host()
+    found: list[Finding] = []
+
+    def look(name: str, check: Callable[[], Finding | list[Finding]]) -> None:
+        try:
+            result = check()
+        except Exception as error:  # a bare or strange machine is what this is for
+            result = note(name, f"could not be looked at: {type(error).__name__}: {error}")
+        found.extend(result if isinstance(result, list) else [result])
+
+    for name, needed in programs.PROGRAMS.items():
+        look(name, lambda name=name, needed=needed: programs.check_program(host, name, needed))
+    look("liblcm", lambda: system.check_liblcm(host))
+    group = network.group_of(lcm_url)
+    if group:
+        look("multicast route", lambda: network.check_route(host, group))
+        look("multicast", lambda: network.check_multicast(group))
+        look("receive buffer", lambda: network.check_receive_buffer(host))
+    if any(finding.check == "multicast" and finding.verdict is Verdict.wrong for finding in found):
+        found.append(note("bus", "not listened to: it would hear nothing"))
+    else:
+        look("bus", lambda: bus_ears.check_bus(lcm_url, listen_s))
+    look("firewall", lambda: system.check_firewall(host))
+    look("camera", lambda: devices.check_cameras(host))
+    look("serial line", lambda: devices.check_serial_lines(host))
+    look("real time", lambda: system.check_real_time(host))
+    look("clock source", lambda: system.check_clock(host))
+    look("time of day", lambda: system.check_time(host))
+    look("disk", lambda: system.check_disk(host, black_box))
+    return found

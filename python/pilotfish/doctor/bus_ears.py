@@ -1,0 +1,89 @@
+"""Who else speaks on the bus: listens for a moment, to everything."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+from pilotfish.doctor.finding import Finding, note, ok, wrong
+
+_SHOWN = 12
+
+
+@dataclass
+class Channel:
+    """What was heard on one channel."""
+
+    messages: int = 0
+    payload_bytes: int = 0
+    sessions: set[int] = field(default_factory=set)  # of the senders, where the channel carries commands
+    unreadable: int = 0
+
+    def heard(self, channel: str, data: bytes) -> None:
+        from pilotfish.lcmtypes.pilotfish import command_t
+
+        self.messages += 1
+        self.payload_bytes += len(data)
+        if not channel.endswith("_COMMAND"):
+            return
+        try:
+            self.sessions.add(command_t.decode(data).session)
+        except Exception:  # lcm-gen's decoders raise whatever the bytes lead to
+            self.unreadable += 1
+
+
+def listen(url: str, seconds: float) -> dict[str, Channel]:
+    """Everything that is said on the bus within `seconds`. Raises whatever LCM raises where there is no bus."""
+    import lcm
+
+    heard: dict[str, Channel] = {}
+    bus = lcm.LCM(url)
+    bus.subscribe(".*", lambda channel, data: heard.setdefault(channel, Channel()).heard(channel, data))
+    until = time.monotonic() + seconds
+    while (left_s := until - time.monotonic()) > 0:
+        bus.handle_timeout(max(1, int(left_s * 1000)))
+    return heard
+
+
+def judge(heard: dict[str, Channel], seconds: float) -> list[Finding]:
+    """Pure: what the channels mean. One sender of commands a robot, or something is wrong."""
+    findings = []
+    for name, channel in sorted(heard.items()):
+        if len(channel.sessions) > 1:
+            sessions = ", ".join(f"{session & (2**64 - 1):016x}" for session in sorted(channel.sessions))
+            findings.append(
+                wrong(
+                    "senders",
+                    f"{len(channel.sessions)} send on {name} (sessions {sessions})",
+                    "one robot, one coordinator: end all but one, or give each a name (--name)",
+                )
+            )
+        if channel.unreadable:
+            findings.append(
+                wrong(
+                    "senders",
+                    f"{channel.unreadable} of {channel.messages} messages on {name} are no commands of this version",
+                    "use programs of one version; pilotfish-spy shows what is sent",
+                )
+            )
+    return [_summary(heard, seconds), *findings]
+
+
+def _summary(heard: dict[str, Channel], seconds: float) -> Finding:
+    if not heard:
+        return ok("bus", f"quiet for {seconds:g} s")
+    lines = [
+        f"{name} {channel.messages / seconds:.1f} Hz {channel.payload_bytes / seconds / 1000:.1f} kB/s"
+        for name, channel in sorted(heard.items())
+    ]
+    more = [f"and {len(lines) - _SHOWN} more channels"] if len(lines) > _SHOWN else []
+    return ok("bus", "\n".join(lines[:_SHOWN] + more))
+
+
+def check_bus(url: str, seconds: float) -> list[Finding]:
+    try:
+        return judge(listen(url, seconds), seconds)
+    except ImportError:
+        return [note("bus", "not listened to: the Python package lcm is missing", "pip install lcm")]
+    except RuntimeError as error:
+        return [wrong("bus", f"{url} cannot be opened: {error}", "see the multicast checks above")]

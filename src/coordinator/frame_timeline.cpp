@@ -1,0 +1,74 @@
+#include "pilotfish/coordinator/frame_timeline.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pilotfish {
+namespace {
+
+/// As doubles: two stamps off a wire may be farther apart than an int64 can say.
+double between_us(std::int64_t from, std::int64_t to) { return static_cast<double>(to) - static_cast<double>(from); }
+
+}  // namespace
+
+std::optional<std::int64_t> FrameTimeline::last_utime() const {
+  return last_ ? std::optional(last_->utime) : std::nullopt;
+}
+
+bool FrameTimeline::agrees_with_run(std::int64_t utime, MonotonicTime now) const noexcept {
+  if (!run_) return false;
+  const double stamps_us = between_us(run_->utime, utime), passed_us = between_us(run_->at.us, now.us);
+  return stamps_us > 0.0 && stamps_us <= kRunGap_us && std::abs(stamps_us - passed_us) <= kAgree_us;
+}
+
+StampVerdict FrameTimeline::begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
+  const bool first = !last_;
+  if (!first) ++epochs_;
+  last_ = Mark{utime, now};
+  offset_us_ = least_us_ = 0.0;
+  run_.reset();
+  agreeing_ = 0;
+  const std::int64_t age_us = std::max<std::int64_t>(known_age_us, 0);
+  return {age_us > max_age_us_ ? Reason::frame_stale : Reason::none, !first, age_us};
+}
+
+StampVerdict FrameTimeline::refuse(Reason reason, std::int64_t utime, MonotonicTime now) noexcept {
+  agreeing_ = agrees_with_run(utime, now) ? agreeing_ + 1 : 1;
+  run_ = Mark{utime, now};
+  return {reason, false, 0};
+}
+
+StampVerdict FrameTimeline::judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
+  // Of the future by a clock that both sides share: no guess, so it does not speak for a new epoch either.
+  if (static_cast<double>(known_age_us) < -kAhead_us) return {Reason::frame_time_implausible, false, 0};
+  if (!last_) return begin_epoch(utime, known_age_us, now);
+
+  // The run goes on, whether or not its stamps have caught up with the old epoch's by now.
+  const bool run_complete = agreeing_ == kFramesToAgree - 1 && agrees_with_run(utime, now);
+  const double stamps_us = between_us(last_->utime, utime), passed_us = std::max(between_us(last_->at.us, now.us), 0.0);
+  if (stamps_us == 0.0) return {Reason::frame_time_not_advancing, false, 0};  // the same picture, sent again
+  if (stamps_us < 0.0)
+    return run_complete ? begin_epoch(utime, known_age_us, now) : refuse(Reason::frame_time_not_advancing, utime, now);
+
+  const double drift_us = kDrift * passed_us;
+  const double pull_us = std::clamp(offset_us_, -drift_us, drift_us);
+  const double offset_us = offset_us_ - pull_us + passed_us - stamps_us;
+  if (offset_us < -kAhead_us)
+    return run_complete ? begin_epoch(utime, known_age_us, now) : refuse(Reason::frame_time_implausible, utime, now);
+
+  const double least_us = std::min(least_us_ - pull_us + drift_us, offset_us);
+  const double late_us = std::max(offset_us - least_us, static_cast<double>(known_age_us));
+  const bool stale = late_us > static_cast<double>(max_age_us_);
+  if (stale && agrees_with_run(utime, now))  // the clock was set back by a little, and its stamps are past the last one
+    return run_complete ? begin_epoch(utime, known_age_us, now) : refuse(Reason::frame_stale, utime, now);
+
+  last_ = Mark{utime, now};
+  offset_us_ = offset_us;
+  least_us_ = least_us;
+  if (stale) return {Reason::frame_stale, false, 0};
+  run_.reset();
+  agreeing_ = 0;
+  return {Reason::none, false, static_cast<std::int64_t>(std::max(late_us, 0.0))};
+}
+
+}  // namespace pilotfish

@@ -1,0 +1,204 @@
+"""What time is, and what a stamp is worth: age is counted on the monotonic clock, stamps only order the frames."""
+
+import pytest
+
+from pilotfish import coordinator, core
+from pilotfish import data as shipped
+from pilotfish.core import Reason, Status
+from scenes import PERIOD_US, leader_pictures
+
+CONFIG = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
+PICTURES = [frame.image for frame in leader_pictures(40)]
+STILL = core.Twist()
+BOOT_US = 5_000_000_000  # the monotonic clock has nothing to do with the stamps'
+
+
+def seen(utime, distance_m=2.0):
+    return core.Observation(utime=utime, distance_m=distance_m, bearing_rad=0.0, heading_rad=0.0)
+
+
+class Robot:
+    """A coordinator, and the time that passes beside it. Measures without pictures unless it is given one."""
+
+    def __init__(self):
+        self.heart = coordinator.Coordinator(CONFIG)
+        self.now_us = BOOT_US
+
+    def frame(self, utime, after_us=PERIOD_US, leader=True, known_age_us=0):
+        self.now_us += after_us
+        return self.heart.answer(utime, seen(utime) if leader else None, self.now_us, known_age_us=known_age_us)
+
+    def drive(self, utime=1_000_000, frames=10):
+        for k in range(frames):
+            result = self.frame(utime + k * PERIOD_US)
+        assert result.status == Status.tracking and result.command.linear_mps > 0.1
+        return utime + (frames - 1) * PERIOD_US
+
+
+def test_stamps_that_run_backward_drive_for_100_ms_and_no_longer():
+    robot = Robot()
+    last = robot.drive()
+    for k in range(1, 300):
+        result = robot.frame(last - k * PERIOD_US, leader=False)
+        assert result.reason == Reason.frame_time_not_advancing
+        # PERIOD_US x 3 = 99 999 us: the third is the last that may hold.
+        assert (result.command == STILL) == (k > 3)
+
+
+def test_stamps_that_run_backward_do_not_revive_a_robot_that_lost_its_leader():
+    robot = Robot()
+    last = robot.drive()
+    for k in range(1, 150):
+        robot.frame(last + k * PERIOD_US, leader=False)
+    for k in range(1, 150):
+        assert robot.frame(last - k * PERIOD_US, leader=False).command == STILL
+
+
+@pytest.mark.parametrize("shift_us", [-3_600_000_000, 3_600_000_000, -500_000, 500_000, -200_000])
+def test_a_source_whose_clock_is_set_is_followed_again_from_rest_after_five_frames_that_agree(shift_us):
+    robot = Robot()
+    last = robot.drive()
+    results = [robot.frame(last + shift_us + k * PERIOD_US) for k in range(1, 8)]
+    assert [r.status for r in results[:4]] == [Status.invalid_input] * 4
+    assert all(r.command == STILL for r in results[3:4]), "100 ms after the last frame that fitted"
+    assert [r.status for r in results[4:]] == [Status.tracking] * 3
+    assert results[4].command == Robot().frame(1).command, "from rest: as if it had just begun"
+    assert robot.heart.clock_epochs == 1
+
+
+def test_a_clock_that_is_set_back_by_less_than_a_frame_is_no_epoch():
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last + PERIOD_US - 20_000).status == Status.tracking
+    assert robot.heart.clock_epochs == 0
+
+
+@pytest.mark.parametrize("stamp", [2**61, 2**62, -(2**62), 0, 2**63 - 1, -(2**63)])
+def test_one_frame_with_a_wild_stamp_changes_nothing_for_those_before_and_after(stamp):
+    robot = Robot()
+    last = robot.drive()
+    wild = robot.frame(stamp, after_us=10_000)
+    assert wild.status == Status.invalid_input
+    assert wild.reason in (Reason.frame_time_implausible, Reason.frame_time_not_advancing)
+    for k in range(1, 50):
+        after_us = PERIOD_US - 10_000 if k == 1 else PERIOD_US
+        assert robot.frame(last + k * PERIOD_US, after_us=after_us).status == Status.tracking
+    assert robot.heart.clock_epochs == 0
+
+
+def test_wild_stamps_between_all_good_frames_do_not_end_the_epoch():
+    robot = Robot()
+    last = robot.drive()
+    for k in range(1, 100):
+        assert robot.frame(last + 2**50 + k * PERIOD_US, after_us=10_000).status == Status.invalid_input
+        assert robot.frame(last + k * PERIOD_US, after_us=PERIOD_US - 10_000).status == Status.tracking
+
+
+def test_stamps_in_milliseconds_are_refused_as_soon_as_they_cannot_be_true():
+    robot = Robot()
+    results = [robot.frame(1_000 + 33 * k) for k in range(100)]
+    # Each frame seems 33.3 ms later than it is: the fourth after the first is 133 ms late.
+    assert [r.status for r in results[:4]] == [Status.tracking] * 4
+    assert all(r.reason == Reason.frame_stale and r.command == STILL for r in results[5:])
+
+
+def test_a_stamp_that_runs_twice_as_fast_as_time_is_refused():
+    robot = Robot()
+    results = [robot.frame(1_000_000 + 2 * PERIOD_US * k) for k in range(50)]
+    assert all(r.reason == Reason.frame_time_implausible and r.command == STILL for r in results[7:])
+
+
+def test_frames_that_were_held_up_are_as_old_as_they_are():
+    """A burst after a stall of 4 s: 120 frames at once, of which only the last three are young enough."""
+    robot = Robot()
+    last = robot.drive()
+    robot.now_us += 120 * PERIOD_US
+    results = [robot.frame(last + k * PERIOD_US, after_us=0) for k in range(1, 121)]
+    # Frame k is (120 - k) periods old: 3 x 33 333 us is the last below 100 ms.
+    assert all(r.reason == Reason.frame_stale and r.command == STILL for r in results[:116])
+    assert [r.status for r in results[116:]] == [Status.tracking] * 4
+
+
+def test_a_measurement_dies_100_ms_after_its_exposure_as_far_as_that_is_known():
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last + PERIOD_US, known_age_us=60_000).status == Status.tracking
+    assert robot.heart.held.until_us == robot.now_us + 40_000
+    assert robot.heart.command_at(robot.now_us + 40_000).command != STILL
+    assert robot.heart.command_at(robot.now_us + 40_001).command == STILL
+
+
+def test_a_frame_known_to_be_old_or_of_the_future_moves_nothing():
+    for known_age_us, reason in [
+        (100_001, Reason.frame_stale),
+        (3_000_000, Reason.frame_stale),
+        (-50_001, Reason.frame_time_implausible),
+    ]:
+        result = Robot().frame(1_000_000, known_age_us=known_age_us)
+        assert (result.status, result.reason, result.command) == (Status.invalid_input, reason, STILL)
+
+
+def test_one_forged_first_image_does_not_make_a_camera_that_is_3_s_late_look_fresh():
+    robot = Robot()
+    robot.frame(1)
+    for k in range(60):
+        result = robot.frame(1_600_000_000_000_000 + k * PERIOD_US, known_age_us=3_000_000)
+        if k > 2:  # 100 ms after the forged one
+            assert result.command == STILL
+
+
+def test_a_monotonic_clock_that_went_backward_moves_nothing():
+    robot = Robot()
+    robot.drive()
+    assert robot.heart.command_at(robot.now_us - 1).command == STILL
+
+
+def test_asking_late_and_often_never_lengthens_a_life():
+    robot = Robot()
+    robot.drive()
+    for _ in range(1000):
+        robot.heart.command_at(robot.now_us + 100_001)
+    assert robot.heart.command_at(robot.now_us + 100_001).command == STILL
+    assert robot.heart.command_at(robot.now_us + 100_000).command != STILL
+
+
+def test_clocks_that_drift_apart_by_200_ppm_for_an_hour_are_still_one_epoch():
+    robot = Robot()
+    for k in range(3600 * 2):
+        assert robot.frame(1_000_000 + round(k * 500_000 * 1.0002), after_us=500_000).status == Status.tracking
+    assert robot.heart.clock_epochs == 0
+
+
+# --- the frozen camera -----------------------------------------------------------------------------------------------
+
+
+def step(heart, image, k):
+    utime = 1_000_000 + k * PERIOD_US
+    return heart.step(core.Frame(image, utime=utime), utime)
+
+
+def test_the_third_picture_in_a_row_with_the_same_pixels_moves_nothing():
+    heart = coordinator.Coordinator(CONFIG)
+    for k in range(10):
+        assert step(heart, PICTURES[k], k).status == Status.tracking
+    assert step(heart, PICTURES[9], 10).reason != Reason.camera_frozen
+    for k in range(11, 100):
+        result = step(heart, PICTURES[9], k)
+        assert (result.status, result.reason) == (Status.invalid_input, Reason.camera_frozen)
+        assert result.command == STILL
+    assert step(heart, PICTURES[10], 100).status == Status.tracking, "it has come back to life"
+
+
+def test_one_gray_level_in_one_pixel_is_a_living_camera():
+    heart = coordinator.Coordinator(CONFIG)
+    for k in range(20):
+        image = PICTURES[0].copy()
+        image[(37 * k) % 480, (101 * k) % 640] ^= 1
+        assert step(heart, image, k).reason != Reason.camera_frozen
+
+
+def test_pictures_declared_noiseless_may_repeat():
+    config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
+    config.safety.noiseless_camera = True
+    heart = coordinator.Coordinator(config)
+    assert all(step(heart, PICTURES[0], k).status == Status.tracking for k in range(10))

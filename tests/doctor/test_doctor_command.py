@@ -1,0 +1,105 @@
+"""``pilotfish doctor`` on this machine, whatever it is like."""
+
+import json
+import subprocess
+import sys
+import threading
+
+import lcm
+import pytest
+
+from pilotfish import doctor
+from pilotfish.doctor import Host, Verdict, network
+from pilotfish.harness.ports import private_lcm_url
+from pilotfish.lcmtypes.pilotfish.command_t import command_t
+
+CHECKS = {
+    *("pilotfish-coordinator", "pilotfish-base", "pilotfish-sim", "pilotfish-spy", "liblcm"),
+    *("multicast route", "multicast", "receive buffer", "bus", "firewall", "camera", "serial line"),
+    *("real time", "clock source", "time of day", "disk"),
+}
+
+
+def run(*arguments):
+    command = [sys.executable, "-m", "pilotfish", "doctor", "--listen-s", "0.1", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+def test_every_check_has_a_verdict_and_the_exit_code_says_if_one_is_wrong():
+    done = run("--json", "--lcm-url", private_lcm_url())
+    report = json.loads(done.stdout)
+    assert {finding["check"] for finding in report["findings"]} >= CHECKS
+    verdicts = [finding["verdict"] for finding in report["findings"]]
+    assert set(verdicts) <= {"ok", "note", "wrong"}
+    assert report["ok"] == ("wrong" not in verdicts)
+    assert done.returncode == (0 if report["ok"] else 1), done.stderr
+    assert all(finding["advice"] for finding in report["findings"] if finding["verdict"] == "wrong")
+
+
+def test_it_fits_on_80_columns():
+    done = run("--lcm-url", private_lcm_url())
+    assert max(len(line) for line in done.stdout.splitlines()) <= 80
+    assert all(check in done.stdout for check in CHECKS)
+
+
+def test_two_coordinators_of_one_name_end_it_with_1():
+    url = private_lcm_url()
+    over = threading.Event()
+
+    def speak():
+        bus = lcm.LCM(url)
+        messages = [command_t(), command_t()]
+        messages[0].session, messages[1].session = 7, 8
+        while not over.wait(0.01):
+            for message in messages:
+                bus.publish("ROBOT1_COMMAND", message.encode())
+
+    speaker = threading.Thread(target=speak)
+    speaker.start()
+    try:
+        done = run("--json", "--lcm-url", url, "--listen-s", "1")
+    finally:
+        over.set()
+        speaker.join()
+    assert done.returncode == 1
+    wrong = [finding for finding in json.loads(done.stdout)["findings"] if finding["verdict"] == "wrong"]
+    assert any("2 send on ROBOT1_COMMAND" in finding["seen"] for finding in wrong)
+
+
+def test_multicast_comes_back_where_there_is_a_route():
+    found = network.check_multicast(network.group_of(private_lcm_url()))
+    assert found.verdict is not Verdict.wrong, found
+
+
+def test_a_bare_machine_crashes_nothing(tmp_path, monkeypatch):
+    """No files at all, no programs, and every question to the kernel refused."""
+
+    class Bare(Host):
+        def run(self, command):
+            return None
+
+        def free_bytes(self, folder):
+            raise PermissionError
+
+        def limit(self, which):
+            raise OSError("no limits here")
+
+        def is_root(self):
+            return False
+
+        def clock_is_synchronized(self):
+            raise AttributeError("ntp_adjtime")
+
+    monkeypatch.setenv("PILOTFISH_BIN", str(tmp_path))
+    found = {finding.check: finding for finding in doctor.examine(Bare(tmp_path), lcm_url="memq://", listen_s=0.05)}
+    assert found["pilotfish-coordinator"].verdict is Verdict.wrong
+    for check in ("disk", "real time", "time of day"):
+        assert found[check].verdict is Verdict.note
+        assert "could not be looked at" in found[check].seen
+
+
+@pytest.mark.parametrize("url", ["udpm://1.2.3.4:7667", "nonsense", "udpm://239.255.76.67:99999"])
+def test_a_url_that_is_none_is_told_and_crashes_nothing(url):
+    done = run("--json", "--lcm-url", url)
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert any(finding["verdict"] == "wrong" for finding in json.loads(done.stdout)["findings"])
