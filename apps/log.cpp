@@ -1,5 +1,7 @@
 #include "log.hpp"
 
+#include <pthread.h>
+#include <sched.h>
 #include <spdlog/async.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -15,6 +17,15 @@ namespace {
 constexpr std::size_t kEntries = 1024;
 constexpr std::chrono::milliseconds kDrainWithin{250};
 
+/// The queues have locks. Who owes commands at a real-time priority must not wait for a lock whose holder waits for a
+/// core among a hundred busy programs: so the writing threads have the lowest real-time priority, where it is
+/// permitted.
+void never_hold_up_the_caller() {
+  sched_param lowest{};
+  lowest.sched_priority = 1;
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest);
+}
+
 std::shared_ptr<spdlog::sinks::sink> log_sink(bool to_stderr) {
   if (to_stderr) return std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
   return std::make_shared<spdlog::sinks::stdout_color_sink_mt>();
@@ -24,8 +35,8 @@ std::shared_ptr<spdlog::sinks::sink> log_sink(bool to_stderr) {
 
 struct Log::Queues {
   explicit Queues(const Options& options)
-      : entries(std::make_shared<spdlog::details::thread_pool>(kEntries, 1)),
-        lines(std::make_shared<spdlog::details::thread_pool>(kEntries, 1)) {
+      : entries(std::make_shared<spdlog::details::thread_pool>(kEntries, 1, never_hold_up_the_caller)),
+        lines(std::make_shared<spdlog::details::thread_pool>(kEntries, 1, never_hold_up_the_caller)) {
     const auto when_full =
         options.never_wait ? spdlog::async_overflow_policy::overrun_oldest : spdlog::async_overflow_policy::block;
     log = std::make_shared<spdlog::async_logger>("pilotfish", log_sink(options.to_stderr), entries, when_full);

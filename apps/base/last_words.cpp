@@ -19,7 +19,6 @@ namespace {
 std::atomic<int> line_descriptor{-1};
 std::array<char, 64> zero_line{};
 std::size_t zero_size = 0;
-volatile std::sig_atomic_t stop_flag = 0;
 
 void say_zero() noexcept {
   const int descriptor = line_descriptor.load();
@@ -43,7 +42,7 @@ void prepare_last_words() {
   struct sigaction action {};
   action.sa_handler = on_broken;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
-  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP, SIGXCPU})
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP, SIGXCPU, SIGXFSZ})
     sigaction(number, &action, nullptr);
   std::set_terminate([] {
     say_zero();
@@ -52,14 +51,5 @@ void prepare_last_words() {
 }
 
 void last_words_to(int descriptor) noexcept { line_descriptor = descriptor; }
-
-void catch_every_stop_signal() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop_flag = 1; };
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2}) sigaction(number, &action, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-}
-
-bool base_stop_requested() noexcept { return stop_flag != 0; }
 
 }  // namespace pilotfish::apps

@@ -10,9 +10,4 @@ void prepare_last_words();
 /// The serial line's descriptor; -1: there is none.
 void last_words_to(int descriptor) noexcept;
 
-/// SIGINT, SIGTERM, SIGHUP (a lost terminal), SIGQUIT, SIGUSR1, SIGUSR2: end in order. They raise the flag of
-/// base_stop_requested(); SIGPIPE is ignored.
-void catch_every_stop_signal();
-bool base_stop_requested() noexcept;
-
 }  // namespace pilotfish::apps

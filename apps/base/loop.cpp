@@ -6,8 +6,8 @@
 #include <chrono>
 #include <ctime>
 
-#include "last_words.hpp"
 #include "pilotfish/core/monotonic.hpp"
+#include "stop_signal.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -53,13 +53,15 @@ class Loop {
 
   void run() {
     const MonotonicTime begin{started_.us + kListenFirst_us};
-    while (!base_stop_requested()) {
+    while (!stop_requested()) {
       wait();
       const MonotonicTime now = monotonic_now();
       if (another_) throw AnotherBase("another pilotfish-base is running for " + config_.robot + " on " + bus_.url());
       driver_.poll(now);
-      if (!publish_ && begin <= now) service_.ready("owns the wheels of " + config_.robot);
-      publish_ = begin <= now;
+      if (!publish_ && begin <= now) {
+        publish_ = true;
+        service_.ready("wheels of " + config_.robot);
+      }
       step(now);
       service_.progress(now);
     }
@@ -78,8 +80,7 @@ class Loop {
   void hear(const bus::CommandReport& report) {
     const base::CommandHeard command{report.session, report.counter, report.base_session, report.command,
                                      report.simulated};
-    const MonotonicTime now = monotonic_now();
-    if (base_.hear(command, bus_.arrival(), now) == base::CommandVerdict::obeyed) fresh_ = true;
+    if (base_.hear(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::obeyed) fresh_ = true;
   }
   void hear(const bus::SetpointReport& report) {
     const base::SetpointHeard setpoint{report.session, report.counter, report.setpoint.run};
@@ -161,6 +162,7 @@ class Loop {
     logged_ = now;
     logged_state_ = output.state;
     logged_obeys_ = output.obeys;
+    service_.status(trouble.empty() ? to_string(output.state) : trouble);
     if (!trouble.empty()) {
       spdlog::error("{}: {}", to_string(output.state), trouble);
     } else if (output.obeys != 0) {
@@ -183,6 +185,7 @@ class Loop {
 
   /// Zeros are the last thing the wheels hear; three times, because a line or a datagram may be lost.
   void end() {
+    service_.stopping();
     publish_ = true;
     const base::BaseOutput zeros{base::BaseState::waiting, {}, 0};
     for (int i = 0; i < 3; ++i) {

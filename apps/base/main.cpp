@@ -3,19 +3,22 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdlib>
 #include <iostream>
 
 #include "driver.hpp"
 #include "exit_codes.hpp"
 #include "last_words.hpp"
+#include "log.hpp"
 #include "loop.hpp"
 #include "options.hpp"
 #include "pilotfish/bus/key.hpp"
 #include "pilotfish/config/base_file.hpp"
-#include "process.hpp"
+#include "real_time.hpp"
 #include "serial_port.hpp"
 #include "service_notify.hpp"
 #include "standard_streams.hpp"
+#include "stop_signal.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -36,7 +39,7 @@ config::BaseFile load(const BaseOptions& options) {
 }
 
 /// Prints what will be used, so that a log shows what drove the robot.
-void announce(const config::BaseFile& file, const bus::Bus& bus, const std::string& not_permitted) {
+void announce(const config::BaseFile& file, const bus::Bus& bus) {
   const base::BaseConfig& config = file.base;
   const std::string driver = file.driver.kind == Kind::serial      ? "serial line " + file.driver.device
                              : file.driver.kind == Kind::simulator ? "simulator"
@@ -47,7 +50,6 @@ void announce(const config::BaseFile& file, const bus::Bus& bus, const std::stri
                config.limits.max_linear_mps, config.limits.max_linear_acceleration_mps2,
                config.limits.max_angular_radps, config.commands.max_command_age_s * 1e3);
   if (file.key_file.empty()) spdlog::warn("no key_file: whoever reaches the bus can command the wheels");
-  if (!not_permitted.empty()) spdlog::warn("{}: on a busy computer the deadline may be missed", not_permitted);
   spdlog::info("bus {}", bus.url());
 }
 
@@ -56,14 +58,15 @@ int run(const BaseOptions& options) {
   std::optional<bus::Key> key;
   if (!file.key_file.empty()) key = bus::load_key(file.key_file);
   base::Base base(file.base, bus::new_session_id(), file.driver.kind != Kind::serial);
-  const std::string not_permitted = ask_for_real_time();
+  ServiceNotify service(service_environment());
+  become_real_time("the wheels", kCommandsPriority);  // and the thread that reads the line, which it starts
   try {
     const std::unique_ptr<Driver> driver =
         file.driver.kind == Kind::serial ? serial_driver(file.driver.device, file.base) : published_driver();
     bus::Bus bus(options.lcm_url);
     if (key) bus.set_key(*key);
-    announce(file, bus, not_permitted);
-    ServiceNotify service(service_environment());
+    announce(file, bus);
+    lock_memory();
     base_loop({file.name, file.base.rate_hz}, base, *driver, bus, service);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());
@@ -99,8 +102,11 @@ int main(int argc, char** argv) {
     std::cout << config::describe_base_config();
     return kOk;
   }
-  catch_every_stop_signal();
+  catch_stop_signals();
   prepare_last_words();
-  log_without_waiting(parsed.options.quiet);
-  end_process(guarded(parsed.options));
+  Log log({true, true});
+  if (parsed.options.quiet) spdlog::set_level(spdlog::level::warn);
+  const int code = guarded(parsed.options);
+  log.drain();
+  std::_Exit(code);  // a thread may be stuck in a blocked terminal or a dead line, and joining it would never end
 }

@@ -56,7 +56,7 @@ void CommandGuard::advance(MonotonicTime now) noexcept {
   last_now_ = std::max(last_now_, now);
   if (command_ && now.us - last_arrival_.us >= life_us) command_.reset();
   if (obeyed_ != 0 && now.us - last_heard_.us > microseconds(config_.takeover_s)) {
-    find(obeyed_)->ended = true;
+    silent_ = obeyed_;
     obeyed_ = 0;
   }
 }
@@ -82,6 +82,10 @@ CommandVerdict CommandGuard::hear(const CommandHeard& command, MonotonicTime arr
   if (obeyed_ == command.session) last_heard_ = now;
   if (now.us - arrived.us >= microseconds(config_.max_command_age_s)) return CommandVerdict::stale;
   if (now < gap_until_) return CommandVerdict::after_gap;
+  // Who was only silent (a process that was stopped for a while) may go on, with counters that still rise. Once
+  // somebody else drives, its session is over for good.
+  if (silent_ != 0 && silent_ != command.session) find(silent_)->ended = true;
+  silent_ = 0;
   obeyed_ = command.session;
   last_heard_ = now;
   last_arrival_ = std::min(arrived, now);

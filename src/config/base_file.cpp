@@ -29,8 +29,10 @@ WheelDriver driver_from(const std::string& text) {
   throw ConfigError("driver", "'" + text + "' is not a driver; choose dry_run, simulator or serial:/dev/ttyUSB0");
 }
 
-BaseFile load_base(const std::filesystem::path& path) {
-  YamlSection root = YamlSection::parse(read_text_file(path));
+BaseFile load_base(const std::filesystem::path& path) { return parse_base(read_text_file(path)); }
+
+BaseFile parse_base(const TextFile& text) {
+  YamlSection root = YamlSection::parse(text);
   BaseFile file;
   file.name = root.text("name");
   if (!is_name(file.name)) throw root.error("name", not_a_name(file.name));

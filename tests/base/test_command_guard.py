@@ -119,7 +119,7 @@ def test_a_second_sender_never_drives_and_does_not_disturb_the_first(wheels):
     assert wheels.base.rejected == {"command_foreign": 199}
 
 
-def test_a_silent_sender_is_followed_by_the_next_and_never_obeyed_again(wheels):
+def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_obeyed_after_that(wheels):
     driven(wheels)
     wheels.pass_ms(480)
     assert wheels.command(2, 1) == CommandVerdict.foreign  # 500 ms since the last command, not more
@@ -129,7 +129,8 @@ def test_a_silent_sender_is_followed_by_the_next_and_never_obeyed_again(wheels):
     assert wheels.command(1, 1000) == CommandVerdict.session_ended
     wheels.pass_ms(600)
     assert wheels.command(1, 1001) == CommandVerdict.session_ended
-    assert wheels.command(2, 3) == CommandVerdict.session_ended
+    assert wheels.command(2, 2) == CommandVerdict.replayed
+    assert wheels.command(2, 3) == CommandVerdict.obeyed  # silent for 600 ms, and nobody drove in between
 
 
 def test_what_was_refused_as_foreign_cannot_be_played_once_its_time_has_come(wheels):

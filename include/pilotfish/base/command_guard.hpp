@@ -30,7 +30,7 @@ enum class CommandVerdict {
   replayed,            ///< a counter of this session that is not higher than all before
   stale,               ///< waited too long between its arrival and now
   after_gap,           ///< this process was not running just now, so nobody knows when the command arrived
-  session_ended,       ///< of a sender that was obeyed once and fell silent
+  session_ended,       ///< of a sender after whom somebody else has driven
   foreign,             ///< another sender is obeyed
   sessions_full,       ///< more senders than can be remembered: no new one is obeyed
 };
@@ -47,9 +47,9 @@ struct CommandGuardConfig {
 /// Whom the wheels obey: one sender, commands it has just sent, each once.
 ///
 /// A sender is a session. The first one whose command passes every check is obeyed until it has been silent for
-/// takeover_s; then its session has ended for good, and the next may begin. Of every session the highest counter is
-/// remembered, obeyed or not, so no recording of this run can be played to it either; recordings of earlier runs name
-/// another base_session.
+/// takeover_s; then the next may begin, and with it the session has ended for good. Of every session the highest
+/// counter is remembered, obeyed or not, so no recording of this run can be played to it either; recordings of earlier
+/// runs name another base_session.
 class CommandGuard {
  public:
   /// `own_session`: of this process, never 0. `simulated_allowed`: the wheels are not real.
@@ -81,6 +81,7 @@ class CommandGuard {
   bool simulated_allowed_;
   BoundedVector<Sender, kSessions> senders_;
   std::int64_t obeyed_ = 0;
+  std::int64_t silent_ = 0;     ///< whom nobody has followed yet
   MonotonicTime last_arrival_;  ///< of a good command of the obeyed sender
   MonotonicTime last_heard_;    ///< of the obeyed sender, in time or not
   MonotonicTime last_now_;      ///< of the last call of anything

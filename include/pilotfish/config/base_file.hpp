@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pilotfish/base/base.hpp"
+#include "pilotfish/config/text_file.hpp"
 
 namespace pilotfish::config {
 
@@ -29,6 +30,7 @@ struct BaseFile {
 };
 /// Throws ConfigError naming the key.
 BaseFile load_base(const std::filesystem::path& file);
+BaseFile parse_base(const TextFile& file);
 
 /// Every key of that file as Markdown: docs/base-configuration.md.
 std::string describe_base_config();
