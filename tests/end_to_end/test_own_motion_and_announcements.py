@@ -66,8 +66,8 @@ def test_behind_a_leader_that_announces_its_stop_the_robot_comes_less_near(tmp_p
 class Listening(Onboard):
     """Also hears what the coordinator says of itself."""
 
-    def __init__(self, folder, *options):
-        super().__init__(folder, *options)
+    def __init__(self, folder, *options, **keywords):
+        super().__init__(folder, *options, **keywords)
         self.statuses = []
         self.bus.subscribe("ROBOT1_STATUS", lambda _, data: self.statuses.append(status_t.decode(data)))
 
