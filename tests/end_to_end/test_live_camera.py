@@ -14,7 +14,16 @@ def test_a_leader_in_a_cameras_pictures_is_followed(tmp_path, format):
 
 
 @pytest.mark.parametrize("fault", CAMERA_FAULTS)
-@pytest.mark.fault("camera_unplugged", "camera_blocked", "camera_black", "camera_saturated", "camera_blurred", "camera_old_buffers", "camera_damaged_jpeg", "camera_frozen")
+@pytest.mark.fault(
+    "camera_unplugged",
+    "camera_blocked",
+    "camera_black",
+    "camera_saturated",
+    "camera_blurred",
+    "camera_old_buffers",
+    "camera_damaged_jpeg",
+    "camera_frozen",
+)
 def test_a_camera_that_goes_wrong_stops_the_robot_until_it_is_well_again(tmp_path, fault):
     format, begin = CAMERA_FAULTS[fault]
     camera = leader_camera(tmp_path, format=format)

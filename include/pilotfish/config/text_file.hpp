@@ -16,8 +16,8 @@ struct TextFile {
   std::string text;
 };
 
-/// The only way in which this room reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError with the
-/// key that named the file.
+/// The only way in which this room reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError
+/// with the key that named the file.
 TextFile read_text_file(const std::filesystem::path& path, const std::string& key = "file");
 
 }  // namespace pilotfish::config

@@ -164,6 +164,8 @@ class _Run:
         """Computed at once from what the sender held; whether that was right is seen a little later."""
         held = messages.held_of(message.held)
         status, reason, command = held.at(message.now_us, core.Reason(message.missing))
+        if message.missing == core.Reason.none.value and status == core.Status.coasting:
+            status = core.Status.tracking  # nothing was missing: the answer to a frame in which the leader was measured
         recorded = core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps)
         self.report.sent += 1
         withheld = core.Reason(message.reason) in _WITHHELD and recorded == core.Twist()

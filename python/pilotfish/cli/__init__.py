@@ -1,5 +1,5 @@
-"""The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``, and for a robot that
-runs ``stop | resume | setpoint | key | doctor``."""
+"""The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``, and for a
+robot that runs ``stop | resume | setpoint | key | doctor``."""
 
 from __future__ import annotations
 
