@@ -4,6 +4,7 @@ namespace pilotfish::apps {
 
 /// Above ordinary work, below what drivers and the kernel's own threads use (50); who owes commands before who looks.
 inline constexpr int kCommandsPriority = 20;
+inline constexpr int kListeningPriority = 15;
 inline constexpr int kVisionPriority = 10;
 
 /// Asks for real-time scheduling (SCHED_FIFO) of the calling thread. Where it is not permitted the thread stays an

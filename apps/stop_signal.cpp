@@ -15,7 +15,11 @@ namespace {
 volatile std::sig_atomic_t stop_flag = 0;
 std::atomic<const bus::LastWords*> last_words{nullptr};
 
-constexpr int kStopSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM};
+// All whose default is death and that are no fault of ours. Suspending from a terminal (Ctrl-Z) would silence a robot
+// that moves: those are ignored.
+constexpr int kStopSignals[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGQUIT, SIGUSR1,   SIGUSR2,
+                                SIGALRM, SIGVTALRM, SIGPROF, SIGPOLL, SIGSTKFLT, SIGPWR};
+constexpr int kSuspensions[] = {SIGTSTP, SIGTTIN, SIGTTOU};
 constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGXCPU, SIGXFSZ};
 
 void speak_last_words() {
@@ -26,6 +30,7 @@ sigset_t stop_signals() {
   sigset_t set;
   sigemptyset(&set);
   for (int signal : kStopSignals) sigaddset(&set, signal);
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaddset(&set, signal);
   return set;
 }
 
@@ -43,6 +48,7 @@ bool stop_requested() { return stop_flag != 0; }
 void block_stop_signals() {
   const sigset_t set = stop_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  for (int signal : kSuspensions) std::signal(signal, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
 }
 

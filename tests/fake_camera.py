@@ -29,7 +29,7 @@ FAULTS += ["open_errno", "stream_errno", "granted_width", "slept_us"]
 SHOWN = ["first_picture", "picture_count"]
 COUNTERS = ["opens", "closes", "streaming", "filled", "dropped", "taken"]
 FIELDS = [*SETUP, *FAULTS, *SHOWN, *COUNTERS, "format_count"]
-FORMATS, PICTURES = 8, 64
+FORMATS, PICTURES = 8, 256
 HEADER_BYTES = 8 * (len(FIELDS) + 4 * FORMATS + 2 * PICTURES)
 LUMA_STEPS = {"YUYV": (0, 2), "UYVY": (1, 2)}
 
@@ -55,7 +55,7 @@ def encode(image: np.ndarray, name: str) -> bytes:
     return image.tobytes() + (b"" if name == "GREY" else colour)
 
 
-def noisy(image: np.ndarray, count: int = 7, sigma: float = 2.0, seed: int = 3) -> list[np.ndarray]:
+def noisy(image: np.ndarray, count: int = 20, sigma: float = 2.0, seed: int = 3) -> list[np.ndarray]:
     """The same scene as a sensor sees it several times: no two pictures are equal."""
     rng = np.random.default_rng(seed)
     return [

@@ -78,8 +78,10 @@ class Loop {
     if (age_us < kListenFirst_us || (age_us < kYoung_us && report.session < base_.session())) another_ = true;
   }
   void hear(const bus::CommandReport& report) {
-    const base::CommandHeard command{report.session, report.counter, report.base_session, report.command,
-                                     report.simulated};
+    // Only these two statuses may move a robot, whatever else the message says.
+    const bool may_move = report.status == Status::tracking || report.status == Status::coasting;
+    const base::CommandHeard command{report.session, report.counter, report.base_session,
+                                     may_move ? report.command : Twist{}, report.simulated};
     if (base_.hear(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::obeyed) fresh_ = true;
   }
   void hear(const bus::SetpointReport& report) {

@@ -14,10 +14,12 @@ namespace {
 
 constexpr int kHandle_ms = 50;
 
-/// Stamps closer than this to our wall clock are taken for stamps of a wall clock, which then says how old they are.
-/// Farther away they are of a clock of their own, of which only the order says something. Decided for each frame anew:
-/// what one frame says must not vouch for another.
-constexpr std::int64_t kSameClock_us = 10'000'000;
+/// Stamps closer than this to our wall clock are taken for a wall clock's, which then says how old they are; how much
+/// of that is believed when, FrameTimeline decides. Farther away they are of a clock of their own, of which only the
+/// order says something. For each frame anew: what one frame says must not vouch for another.
+constexpr double kWallClock_us = 86'400e6;
+/// The same for the monotonic clocks, which a program on this host may stamp with. No wall clock is that near to them.
+constexpr double kMonotonicClock_us = 10e6;
 
 std::int64_t wall_utime() {
   timespec now{};
@@ -26,9 +28,17 @@ std::int64_t wall_utime() {
 }
 
 std::int64_t known_age_us(std::int64_t utime, MonotonicTime arrival) {
-  const std::int64_t arrived_utime = wall_utime() - (monotonic_now().us - arrival.us);
-  const double age_us = static_cast<double>(arrived_utime) - static_cast<double>(utime);
-  return std::abs(age_us) < static_cast<double>(kSameClock_us) ? static_cast<std::int64_t>(age_us) : 0;
+  timespec monotonic{};
+  clock_gettime(CLOCK_MONOTONIC, &monotonic);
+  const std::int64_t now_us = monotonic_now().us, waited_us = now_us - arrival.us;
+  const std::int64_t monotonic_us = std::int64_t{monotonic.tv_sec} * 1'000'000 + monotonic.tv_nsec / 1'000;
+  const auto age_us = [&](std::int64_t clock_us) {
+    return static_cast<double>(clock_us - waited_us) - static_cast<double>(utime);
+  };
+  for (const std::int64_t clock_us : {monotonic_us, now_us})
+    if (std::abs(age_us(clock_us)) < kMonotonicClock_us) return static_cast<std::int64_t>(age_us(clock_us));
+  const double wall_us = age_us(wall_utime());
+  return std::abs(wall_us) < kWallClock_us ? static_cast<std::int64_t>(wall_us) : 0;
 }
 
 }  // namespace
@@ -41,7 +51,8 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
       kept_(config.setpoint) {
   if (config_.key) bus_.set_key(*config_.key);
   bus_.on_command(config_.robot, [this](const bus::CommandReport& command) {
-    if (command.session == config_.session) return;  // our own, which comes back
+    // Our own come back. What we have not sent yet is somebody else's, who has read our session off the bus.
+    if (command.session == config_.session && (sender_ == nullptr || command.counter <= sender_->counts().sent)) return;
     rival_ = command.session;
     if (sender_ != nullptr) sender_->rival_heard(monotonic_now());
   });
@@ -113,7 +124,7 @@ void BusListener::start(CommandSender& sender, std::function<void(const std::str
 }
 
 void BusListener::run(const std::function<void(const std::string&)>& failed) {
-  become_real_time("the bus", kVisionPriority);
+  become_real_time("the bus", kListeningPriority);
   try {
     while (!stopping_) {
       bus_.handle(kHandle_ms);

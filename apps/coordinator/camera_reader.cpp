@@ -31,7 +31,7 @@ struct CameraReader::Shared {
   }
 
   void read() {
-    become_real_time("the camera", kVisionPriority);
+    become_real_time("the camera", kListeningPriority);
     while (!stopped_within(std::chrono::milliseconds(0))) {
       std::optional<Frame> frame = source ? source->next() : std::nullopt;
       const MonotonicTime at = monotonic_now();

@@ -79,7 +79,7 @@ class Loop {
   MonotonicTime now() const { return config_.simulated ? clock_.now() : monotonic_now(); }
 
   void look_at(const Frame& frame, MonotonicTime arrival) {
-    if (last_utime_ == frame.utime && !parts_.pull) {
+    if (config_.simulated && last_utime_ == frame.utime && !parts_.pull) {
       // The same picture again: a simulator asks for an answer that got lost. The old one holds while it is fresh.
       parts_.sender.answer_again(frame.utime);
       return;
@@ -98,6 +98,7 @@ class Loop {
     reporter_.waited.add(seconds_between(arrival, begin));
     reporter_.looked.add(timing_.processing_s);
     reporter_.answered.add(seconds_between(arrival, left));
+    count_refused(result.reason);
     result.command = sent.command;
     result.status = sent.status;
     result.reason = sent.reason;
@@ -158,10 +159,21 @@ class Loop {
     if (!used) ++reporter_.refused[told.of_the_leader ? "announcement_unusable" : "own_motion_unusable"];
   }
 
+  /// Of whole frames; what the eyes refuse has counters of its own.
+  void count_refused(Reason reason) {
+    switch (reason) {
+      case Reason::frame_stale: ++reporter_.refused["frames_stale"]; break;
+      case Reason::frame_time_not_advancing: ++reporter_.refused["frames_not_advancing"]; break;
+      case Reason::frame_time_implausible: ++reporter_.refused["frames_implausible"]; break;
+      case Reason::camera_frozen: ++reporter_.refused["frames_frozen"]; break;
+      default: break;
+    }
+  }
+
   void count_epochs() {
     if (coordinator_.clock_epochs() == epochs_) return;
     epochs_ = coordinator_.clock_epochs();
-    spdlog::warn("the clock of the images was set: five of them agree on a new time. Starting from rest");
+    spdlog::warn("the clock of the images was set, and they agree on a new time. Starting from rest");
   }
 
   const LoopConfig& config_;

@@ -219,6 +219,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         [&] { return supervisor.stop_requested(); },
                         [&] { supervisor.looked(); },
                         black_box.get()};
+  if (!simulated) become_real_time("vision", kVisionPriority);  // last: threads inherit it
   try {
     control_loop(loop, parts, coordinator);
   } catch (const std::exception& error) {

@@ -66,6 +66,7 @@ CommandVerdict CommandGuard::hear(const CommandHeard& command, MonotonicTime arr
   if (command.session == 0 || !is_finite(command.twist)) return CommandVerdict::malformed;
   if (command.base_session != own_session_) return CommandVerdict::base_session_wrong;
 
+  if (command.counter < 1) return CommandVerdict::replayed;  // they begin at 1
   Sender* sender = find(command.session);
   if (sender == nullptr) {
     if (senders_.full()) return CommandVerdict::sessions_full;

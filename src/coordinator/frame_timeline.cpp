@@ -22,14 +22,17 @@ bool FrameTimeline::agrees_with_run(std::int64_t utime, MonotonicTime now) const
 }
 
 StampVerdict FrameTimeline::begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
+  // What begins an epoch vouches for all that follows, so here an age counts however large it is: a recording of an
+  // hour ago has stamps that are an hour old.
+  if (static_cast<double>(known_age_us) < -kAhead_us) return {Reason::frame_time_implausible, false, 0};
+  if (known_age_us > max_age_us_) return {Reason::frame_stale, false, 0};
   const bool first = !last_;
   if (!first) ++epochs_;
   last_ = Mark{utime, now};
   offset_us_ = least_us_ = 0.0;
   run_.reset();
-  agreeing_ = 0;
-  const std::int64_t age_us = std::max<std::int64_t>(known_age_us, 0);
-  return {age_us > max_age_us_ ? Reason::frame_stale : Reason::none, !first, age_us};
+  agreeing_ = quick_ = 0;
+  return {Reason::none, !first, std::max<std::int64_t>(known_age_us, 0)};
 }
 
 StampVerdict FrameTimeline::refuse(Reason reason, std::int64_t utime, MonotonicTime now) noexcept {
@@ -38,14 +41,31 @@ StampVerdict FrameTimeline::refuse(Reason reason, std::int64_t utime, MonotonicT
   return {reason, false, 0};
 }
 
+bool FrameTimeline::is_proved_quick(double offset_us, MonotonicTime now) noexcept {
+  if (offset_us < -kQuickWithin_us) return false;  // nothing takes that long and is believed afterwards
+  if (!quick_since_ || between_us(quick_since_->us, now.us) > kQuickWithin_us) {
+    quick_since_ = now;
+    quick_ = 0;
+  }
+  ++quick_;
+  // Stamps that run faster than time would do it again and again.
+  if (quick_ < kQuickFrames || (quick_epoch_at_ && between_us(quick_epoch_at_->us, now.us) < kQuickAgainAfter_us))
+    return false;
+  quick_epoch_at_ = now;
+  return true;
+}
+
 StampVerdict FrameTimeline::judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
   // Of the future by a clock that both sides share: no guess, so it does not speak for a new epoch either.
-  if (static_cast<double>(known_age_us) < -kAhead_us) return {Reason::frame_time_implausible, false, 0};
+  const auto known_us = static_cast<double>(known_age_us);
+  const bool shared = std::abs(known_us) < kSharedClock_us;
+  if (shared && known_us < -kAhead_us) return {Reason::frame_time_implausible, false, 0};
   if (!last_) return begin_epoch(utime, known_age_us, now);
 
   // The run goes on, whether or not its stamps have caught up with the old epoch's by now.
-  const bool run_complete = agreeing_ == kFramesToAgree - 1 && agrees_with_run(utime, now);
-  const double stamps_us = between_us(last_->utime, utime), passed_us = std::max(between_us(last_->at.us, now.us), 0.0);
+  const double passed_us = std::max(between_us(last_->at.us, now.us), 0.0);
+  const bool run_complete = agreeing_ >= kFramesToAgree - 1 && passed_us >= kSilence_us && agrees_with_run(utime, now);
+  const double stamps_us = between_us(last_->utime, utime);
   if (stamps_us == 0.0) return {Reason::frame_time_not_advancing, false, 0};  // the same picture, sent again
   if (stamps_us < 0.0)
     return run_complete ? begin_epoch(utime, known_age_us, now) : refuse(Reason::frame_time_not_advancing, utime, now);
@@ -54,10 +74,11 @@ StampVerdict FrameTimeline::judge(std::int64_t utime, std::int64_t known_age_us,
   const double pull_us = std::clamp(offset_us_, -drift_us, drift_us);
   const double offset_us = offset_us_ - pull_us + passed_us - stamps_us;
   if (offset_us < -kAhead_us)
-    return run_complete ? begin_epoch(utime, known_age_us, now) : refuse(Reason::frame_time_implausible, utime, now);
+    return run_complete || is_proved_quick(offset_us, now) ? begin_epoch(utime, known_age_us, now)
+                                                           : refuse(Reason::frame_time_implausible, utime, now);
 
   const double least_us = std::min(least_us_ - pull_us + drift_us, offset_us);
-  const double late_us = std::max(offset_us - least_us, static_cast<double>(known_age_us));
+  const double late_us = std::max(offset_us - least_us, shared ? known_us : 0.0);
   const bool stale = late_us > static_cast<double>(max_age_us_);
   if (stale && agrees_with_run(utime, now))  // the clock was set back by a little, and its stamps are past the last one
     return run_complete ? begin_epoch(utime, known_age_us, now) : refuse(Reason::frame_stale, utime, now);

@@ -35,17 +35,17 @@ std::uint64_t hash_rows(const ImageView& image, std::size_t step) {
 bool FrozenCamera::is_frozen(const ImageView& image) noexcept {
   const std::size_t words = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) / kWord;
   const std::uint64_t sample = hash_rows(image, std::max<std::size_t>(words / kSampleWords, 1));
-  const bool maybe_same = any_ && sample == sample_;
-  any_ = true;
-  sample_ = sample;
-  if (!maybe_same) {
-    whole_known_ = false;
+  auto* seen =
+      std::find_if(seen_.begin(), seen_.end(), [&](const Seen& s) { return s.used != 0 && s.sample == sample; });
+  if (seen == seen_.end()) {
+    seen_[next_] = {sample, 0, 1, 0};
+    next_ = (next_ + 1) % kPictures;
     return false;
   }
   const std::uint64_t whole = hash_rows(image, 1);
-  const bool same = whole_known_ && whole == whole_;
-  whole_known_ = true;
-  whole_ = whole;
+  const bool same = seen->whole_known != 0 && whole == seen->whole;
+  seen->whole_known = 1;
+  seen->whole = whole;
   return same;
 }
 

@@ -66,7 +66,7 @@ def test_a_clock_that_is_set_by_an_hour_is_followed_again_from_rest(tmp_path, sh
         epochs = robot.status().clock_epochs
         first = len(robot.commands)
         robot.clock_shift_us += shift_us
-        robot.follow(25)
+        robot.follow(50)  # a second until it is believed
         statuses = [c.status for c in robot.commands[first:]]
         assert command_t.STATUS_INVALID_INPUT in statuses
         assert statuses[-1] == command_t.STATUS_TRACKING
@@ -137,7 +137,9 @@ def test_pictures_of_another_size_are_refused_before_they_are_decoded(tmp_path):
 
 
 @pytest.mark.fault("signals")
-@pytest.mark.parametrize("name", ["SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGINT", "SIGTERM", "SIGALRM"])
+@pytest.mark.parametrize(
+    "name", ["SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGINT", "SIGTERM", "SIGALRM", "SIGPROF", "SIGRTMIN"]
+)
 def test_every_signal_that_asks_for_an_end_leaves_zeros_behind(tmp_path, name):
     with Robot(tmp_path) as robot:
         robot.follow(10)

@@ -7,7 +7,7 @@
 namespace fake_camera {
 
 constexpr int kFormats = 8;
-constexpr int kPictures = 64;
+constexpr int kPictures = 256;
 
 struct Format {
   std::int64_t fourcc, width, height, rate_hz;

@@ -27,8 +27,14 @@ struct StampVerdict {
 /// more than max_age. Clocks drift, so the anchor follows by kDrift, and least rises by as much.
 ///
 /// A stamp that time itself forbids, backward or of the future, is refused. When kFramesToAgree of them in a row agree
-/// with each other and with the monotonic clock, while none fits the old epoch, the source's clock was set: a new epoch
-/// begins, from rest. Frames that are merely late never end an epoch: that is a slow pipeline, and no clock.
+/// with each other and with the monotonic clock, and for kSilence_us no frame has fitted the old epoch, the source's
+/// clock was set: a new epoch begins, from rest. The silence keeps a delayed second path, or a recording that is played
+/// beside the living source, from taking over in a gap. Frames that are merely late never end an epoch: that is a slow
+/// pipeline, and no clock.
+///
+/// The anchor itself may have been late: then quicker frames look as if they were of the future. kQuickFrames of them
+/// within a second are the proof, and the next epoch is anchored on a quick one: all that follows is judged more
+/// strictly.
 class FrameTimeline {
  public:
   explicit FrameTimeline(std::int64_t max_age_us) : max_age_us_(max_age_us) {}
@@ -41,14 +47,22 @@ class FrameTimeline {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.last_, self.offset_us_, self.least_us_, self.run_, self.agreeing_, self.epochs_);
+    archive(self.last_, self.offset_us_, self.least_us_, self.run_, self.agreeing_, self.epochs_, self.quick_,
+            self.quick_since_, self.quick_epoch_at_);
   }
 
   static constexpr int kFramesToAgree = 5;
   static constexpr double kAhead_us = 50'000.0;
   static constexpr double kAgree_us = 25'000.0;
   static constexpr double kRunGap_us = 1'000'000.0;  ///< two frames of a run are not farther apart
-  static constexpr double kDrift = 1e-3;             ///< of two clocks, of which one may be slewed
+  static constexpr double kSilence_us = 1'000'000.0;
+  static constexpr int kQuickFrames = 3;
+  static constexpr double kQuickWithin_us = 1'000'000.0;
+  static constexpr double kQuickAgainAfter_us = 10'000'000.0;
+  /// A known age beyond this, in either direction, is that of a clock that was never set to ours, or of a recording: it
+  /// is looked at only where an epoch begins.
+  static constexpr double kSharedClock_us = 10'000'000.0;
+  static constexpr double kDrift = 1e-3;  ///< of two clocks, of which one may be slewed
 
  private:
   struct Mark {
@@ -56,6 +70,7 @@ class FrameTimeline {
     MonotonicTime at;
   };
   bool agrees_with_run(std::int64_t utime, MonotonicTime now) const noexcept;
+  bool is_proved_quick(double offset_us, MonotonicTime now) noexcept;
   StampVerdict refuse(Reason reason, std::int64_t utime, MonotonicTime now) noexcept;
   StampVerdict begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
 
@@ -66,6 +81,8 @@ class FrameTimeline {
   std::optional<Mark> run_;  ///< the last of those that do not fit
   int agreeing_ = 0;
   std::int64_t epochs_ = 0;
+  int quick_ = 0;  ///< frames quicker than the anchor allows, since quick_since_
+  std::optional<MonotonicTime> quick_since_, quick_epoch_at_;
 };
 
 }  // namespace pilotfish

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "pilotfish/core/frame.hpp"
@@ -13,17 +15,22 @@ namespace pilotfish {
 /// in the frame before is the whole picture read.
 class FrozenCamera {
  public:
-  /// From the third picture in a row with the same pixels on. The view has passed check().
+  /// From the third picture with the same pixels on. The view has passed check().
   bool is_frozen(const ImageView& image) noexcept;
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.sample_, self.whole_, self.any_, self.whole_known_);
+    archive(self.seen_, self.next_);
   }
 
  private:
-  std::uint64_t sample_ = 0, whole_ = 0;
-  bool any_ = false, whole_known_ = false;
+  static constexpr std::size_t kPictures = 16;  ///< more than a driver has buffers
+  struct Seen {
+    std::uint64_t sample = 0, whole = 0;
+    std::uint64_t used = 0, whole_known = 0;  // not bool: no padding, which a checkpoint would see
+  };
+  std::array<Seen, kPictures> seen_{};
+  std::size_t next_ = 0;
 };
 
 }  // namespace pilotfish

@@ -164,8 +164,9 @@ class _Run:
         """Computed at once from what the sender held; whether that was right is seen a little later."""
         held = messages.held_of(message.held)
         status, reason, command = held.at(message.now_us, core.Reason(message.missing))
-        if message.missing == core.Reason.none.value and status == core.Status.coasting:
-            status = core.Status.tracking  # nothing was missing: the answer to a frame in which the leader was measured
+        if message.missing == core.Reason.none.value and message.status == core.Status.tracking.value:
+            # Nothing was missing: the answer to a frame with the leader in it, while what is held only coasts.
+            status = core.Status.tracking if status == core.Status.coasting else status
         recorded = core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps)
         self.report.sent += 1
         withheld = core.Reason(message.reason) in _WITHHELD and recorded == core.Twist()
