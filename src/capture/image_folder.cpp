@@ -19,7 +19,7 @@ constexpr std::string_view kJpegStart = "\xff\xd8\xff";
 /// cut-off one with gray and says nothing. (Its decoders for the other formats refuse what is cut off; a test asks
 /// each.)
 Frame read(const std::filesystem::path& path, std::int64_t utime) {
-  const Frame without_pixels{utime, {}, nullptr};
+  Frame without_pixels{utime, {}, nullptr};
   const FileRead file = read_file(path, kMaxPictureBytes);
   if (!file.bytes || file.bytes->empty()) return without_pixels;
   if (file.bytes->compare(0, kJpegStart.size(), kJpegStart) == 0) {

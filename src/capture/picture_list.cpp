@@ -56,9 +56,9 @@ std::vector<std::string_view> split(std::string_view line) {
 
 std::vector<ListedPicture> read_list(const fs::path& directory) {
   const fs::path list = directory / kListName;
-  FileRead read = read_file(list, kMaxListBytes);
+  const FileRead read = read_file(list, kMaxListBytes);
   if (!read.bytes) throw CaptureError(read.problem);
-  std::istringstream stream(std::move(*read.bytes));
+  std::istringstream stream(*read.bytes);
   std::string line;
   int line_number = 1;
   const auto fail = [&](const std::string& problem) {
