@@ -65,8 +65,8 @@ class FrameTimeline {
   static constexpr double kDrift = 1e-3;  ///< of two clocks, of which one may be slewed
 
  private:
-  struct Mark {
-    std::int64_t utime = 0;
+  struct Mark {  // no initialisers: inside this class clang would not know yet that it can be made without arguments
+    std::int64_t utime;
     MonotonicTime at;
   };
   bool agrees_with_run(std::int64_t utime, MonotonicTime now) const noexcept;
