@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageFilter
 
-from pilotfish import core
+from build_tree import built
 
 NUMBER = 90  # /dev/video90: hardly anyone has one
 
@@ -129,7 +129,7 @@ class FakeCamera:
             setattr(self, name, 0)
 
     def environment(self) -> dict[str, str]:
-        library = Path(core.__file__).parents[2] / "tests" / "probes" / "libfake_camera.so"
+        library = built("libfake_camera.so")
         assert library.exists(), f"{library} is missing: configure with -DPILOTFISH_TESTS=ON"
         # A sanitizer's runtime wants to be the first library, and says no if it is not.
         asan = ":".join(filter(None, [os.environ.get("ASAN_OPTIONS"), "verify_asan_link_order=0"]))

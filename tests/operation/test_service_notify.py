@@ -8,11 +8,12 @@ from contextlib import contextmanager
 import pytest
 from PIL import Image
 
+from build_tree import built
 from pilotfish import data as shipped
 from pilotfish.harness.executables import COORDINATOR, find_executable
 from scenes import leader_pictures
 
-PROBE = find_executable(COORDINATOR).parents[1] / "tests" / "probes" / "service_probe"
+PROBE = built("service_probe")
 PERIOD_US = 2_000_000
 
 
