@@ -66,6 +66,11 @@ CameraModel any_camera(RandomNumbers& random) {
     }
     default: break;
   }
+  try {
+    camera.validate();
+  } catch (const ConfigError&) {  // what no program can be given
+    return plain_camera(width, height);
+  }
   return camera;
 }
 
