@@ -21,11 +21,6 @@ constexpr std::int64_t kBetweenLines_us = 4'000;
 constexpr std::int64_t kBetweenLogs_us = 200'000;
 constexpr std::int64_t kBetweenRefusalLogs_us = 5'000'000;
 
-std::int64_t wall_utime() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
-
 bus::BaseReport::State on_the_wire(base::BaseState state) {
   switch (state) {
     case base::BaseState::waiting: return bus::BaseReport::State::waiting;

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <utility>
 
 #include "real_time.hpp"
@@ -21,21 +20,12 @@ constexpr double kWallClock_us = 86'400e6;
 /// The same for the monotonic clocks, which a program on this host may stamp with. No wall clock is that near to them.
 constexpr double kMonotonicClock_us = 10e6;
 
-std::int64_t wall_utime() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1'000;
-}
-
 std::int64_t known_age_us(std::int64_t utime, MonotonicTime arrival) {
-  timespec monotonic{};
-  clock_gettime(CLOCK_MONOTONIC, &monotonic);
   const std::int64_t now_us = monotonic_now().us, waited_us = now_us - arrival.us;
-  const std::int64_t monotonic_us = std::int64_t{monotonic.tv_sec} * 1'000'000 + monotonic.tv_nsec / 1'000;
   const auto age_us = [&](std::int64_t clock_us) {
     return static_cast<double>(clock_us - waited_us) - static_cast<double>(utime);
   };
-  for (const std::int64_t clock_us : {monotonic_us, now_us})
+  for (const std::int64_t clock_us : {unsuspended_now_us(), now_us})
     if (std::abs(age_us(clock_us)) < kMonotonicClock_us) return static_cast<std::int64_t>(age_us(clock_us));
   const double wall_us = age_us(wall_utime());
   return std::abs(wall_us) < kWallClock_us ? static_cast<std::int64_t>(wall_us) : 0;
@@ -52,7 +42,7 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
   if (config_.key) bus_.set_key(*config_.key);
   bus_.on_command(config_.robot, [this](const bus::CommandReport& command) {
     // Our own come back. What we have not sent yet is somebody else's, who has read our session off the bus.
-    if (command.session == config_.session && (sender_ == nullptr || command.counter <= sender_->counts().sent)) return;
+    if (command.session == config_.session && (sender_ == nullptr || command.counter <= sender_->sent())) return;
     rival_ = command.session;
     if (sender_ != nullptr) sender_->rival_heard(monotonic_now());
   });

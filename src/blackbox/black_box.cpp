@@ -34,11 +34,6 @@ constexpr milliseconds kLastWords{2000};
 constexpr std::int64_t kStartGap_us = 1'000'000;
 constexpr std::int64_t kMegabyte = 1'000'000;
 
-std::int64_t wall_utime() {
-  using std::chrono::system_clock;
-  return std::chrono::duration_cast<std::chrono::microseconds>(system_clock::now().time_since_epoch()).count();
-}
-
 std::string in_capitals(std::string name) {
   for (char& letter : name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
   return name;

@@ -1,7 +1,5 @@
 #include "buffer_age.hpp"
 
-#include <ctime>
-
 #include "pilotfish/core/monotonic.hpp"
 
 namespace pilotfish::capture {
@@ -10,20 +8,14 @@ namespace {
 /// What lies between two looks at the clocks that follow each other; no computer sleeps for less.
 constexpr std::int64_t kShortestSleepUs = 10'000;
 
-std::int64_t read_us(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1'000;
-}
-
 }  // namespace
 
 ClockReading read_clocks() noexcept {
   // Boottime first: if this thread is held up in between, boottime - monotonic comes out too small, and the most that
   // was ever seen is what counts. The wall clock last, beside the monotonic one.
   const std::int64_t boottime_us = monotonic_now().us;
-  const std::int64_t monotonic_us = read_us(CLOCK_MONOTONIC);
-  return {monotonic_us, boottime_us, read_us(CLOCK_REALTIME)};
+  const std::int64_t monotonic_us = unsuspended_now_us();
+  return {monotonic_us, boottime_us, wall_utime()};
 }
 
 Suspension look_for_suspension(const Suspension& suspension, const ClockReading& now) noexcept {

@@ -19,4 +19,10 @@ inline bool operator<=(MonotonicTime a, MonotonicTime b) { return a.us <= b.us; 
 /// and edges (capture, bus) only; what computes is given the time.
 MonotonicTime monotonic_now() noexcept;
 
+/// The two other clocks of this host, for stamps that somebody else made, in microseconds: the one that a suspension
+/// stops (CLOCK_MONOTONIC: V4L2's buffers, most programs' stamps), and the one that people set (CLOCK_REALTIME: utime).
+/// Ages are measured on neither.
+std::int64_t unsuspended_now_us() noexcept;
+std::int64_t wall_utime() noexcept;
+
 }  // namespace pilotfish
