@@ -2,10 +2,9 @@
 
 #include <atomic>
 #include <csignal>
-#include <cstdlib>
 #include <ctime>
-#include <exception>
 
+#include "fault_signals.hpp"
 #include "pilotfish/bus/last_words.hpp"
 
 namespace pilotfish::apps {
@@ -20,11 +19,6 @@ std::atomic<const bus::LastWords*> last_words{nullptr};
 constexpr int kStopSignals[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGQUIT, SIGUSR1,   SIGUSR2,
                                 SIGALRM, SIGVTALRM, SIGPROF, SIGPOLL, SIGSTKFLT, SIGPWR};
 constexpr int kSuspensions[] = {SIGTSTP, SIGTTIN, SIGTTOU};
-constexpr int kFaults[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGXCPU, SIGXFSZ};
-
-void speak_last_words() {
-  if (const bus::LastWords* words = last_words.exchange(nullptr)) words->send();
-}
 
 sigset_t stop_signals() {
   sigset_t set;
@@ -60,17 +54,8 @@ bool wait_for_stop_signal(int timeout_ms) {
 
 void set_last_words(const bus::LastWords* words) {
   last_words = words;
-  struct sigaction action {};
-  // Once, then the default, of which the process dies as it would have: the signal waits until the handler returns.
-  action.sa_handler = [](int signal) {
-    speak_last_words();
-    raise(signal);
-  };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  for (int signal : kFaults) sigaction(signal, &action, nullptr);
-  std::set_terminate([] {
-    speak_last_words();
-    std::abort();
+  on_fault([] {
+    if (const bus::LastWords* spoken = last_words.exchange(nullptr)) spoken->send();
   });
 }
 

@@ -51,7 +51,7 @@ void CommandSender::send(const HeldAnswer& answer, std::int64_t image_utime, Mon
   bus::CommandReport report;
   report.utime = image_utime;
   report.session = config_.session;
-  report.counter = ++counts_.sent;
+  report.counter = ++sent_;
   report.base_session = base_session_;
   report.simulated = config_.simulated;
   report.command = answer.command;

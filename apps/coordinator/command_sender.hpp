@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -28,7 +29,6 @@ struct SenderConfig {
 
 /// What the sender knows beyond the commands it was given.
 struct SenderCounts {
-  std::int64_t sent = 0;
   std::int64_t missed_deadlines = 0;  ///< a zero that left after its measurement had become too old
   std::int64_t rivals_heard = 0;      ///< commands of somebody else under this robot's name
   StageTimes lateness;                ///< of what it sends by itself
@@ -67,6 +67,8 @@ class CommandSender {
   void finish(Reason reason);
 
   SenderCounts counts() const;
+  /// Commands so far, without waiting for one that is just leaving.
+  std::int64_t sent() const { return sent_; }
   std::int64_t beats() const;  ///< of its own thread: it is alive if this rises
 
  private:
@@ -92,6 +94,7 @@ class CommandSender {
   bool deadline_served_ = true;  ///< the zero at the end of what is held has left
   bool finished_ = false;
   std::int64_t beats_ = 0;
+  std::atomic<std::int64_t> sent_{0};
   SenderCounts counts_;
   std::thread thread_;  // last: it uses everything above
 };
