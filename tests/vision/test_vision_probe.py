@@ -4,28 +4,11 @@ tests/probes/vision_probe.cpp is built with the release (scripts/build says PILO
 AddressSanitizer and UBSan, in a build folder of its own: some minutes of one core the first time, nothing after that.
 """
 
-import subprocess
-from pathlib import Path
-
 import pytest
 
-ROOT = Path(__file__).parents[2]
-RELEASE, SANITIZED = ROOT / "build" / "release", ROOT / "build" / "asan-probe"
-# The preset "asan" of CMakePresets.json, and the probe; -O1 takes no longer to build and a fifth of the time to run.
-SANITIZERS = [
-    "-DCMAKE_BUILD_TYPE=Debug",
-    "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1",
-    "-DPILOTFISH_SANITIZE=ON",
-    "-DPILOTFISH_PYTHON=OFF",
-    "-DPILOTFISH_WERROR=ON",
-    "-DPILOTFISH_TESTS=ON",
-]
+from build_tree import ROOT, build_sanitized, run
 
-
-def run(*command):
-    done = subprocess.run(list(map(str, command)), check=False, capture_output=True, text=True)
-    assert done.returncode == 0, f"{command} failed:\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
-    return done.stdout
+RELEASE = ROOT / "build" / "release"
 
 
 def counts_of(output):
@@ -46,10 +29,8 @@ def test_an_observer_that_tracks_asks_for_no_memory():
 def test_hostile_frames_touch_no_foreign_memory():
     # The sanitizers end the program at the first mistake, so that it comes to its end at all is the test. What it
     # prints says that the corpus reached every part: leaders seen and tracked, frames that cannot be read.
-    if not (SANITIZED / "build.ninja").exists():
-        run("cmake", "-S", ROOT, "-B", SANITIZED, "-G", "Ninja", *SANITIZERS)
-    run("cmake", "--build", SANITIZED, "--target", "vision_probe")
-    counts = counts_of(run(SANITIZED / "tests" / "probes" / "vision_probe", "corpus", 1, 2400))
+    probe = build_sanitized("vision_probe") / "probes" / "vision_probe"
+    counts = counts_of(run(probe, "corpus", 1, 2400))
     assert counts["frames"] == 2400
     assert counts["observed"] > 50
     assert counts["tracked"] > 20
