@@ -22,6 +22,7 @@ class PlayedCoordinator:
         self.setpoint = core.Setpoint(distance_m=1.0, bearing_rad=0.0, run=True)
         self.verdicts = []
         self.rejected = {}
+        self.base_stopped = None  # what a pilotfish-base beside it says; None: there is none
         self._counter = 0
         self._stop = threading.Event()
         if not deaf:
@@ -46,6 +47,9 @@ class PlayedCoordinator:
         report.rejected = self.rejected | self.bus.rejected
         report.session, report.setpoint_counter = self.gate.session, self.gate.last_counter
         self.bus.publish_status(self.robot, report)
+        if self.base_stopped is not None:
+            state = bus.BaseReport.State.stopped if self.base_stopped else bus.BaseReport.State.waiting
+            self.bus.publish_base(self.robot, bus.BaseReport(utime=0, stopped=self.base_stopped, state=state))
 
     def _command(self, utime):
         self._counter += 1

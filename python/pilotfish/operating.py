@@ -14,13 +14,14 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from pilotfish.bus import Bus, BusError, Key, SetpointReport, StatusReport, load_key
+from pilotfish.bus import BaseReport, Bus, BusError, Key, SetpointReport, StatusReport, load_key
 from pilotfish.core import Setpoint
 from pilotfish.errors import ConfigError, OperatorError, SilentRobotError
 
 WITHIN_S = 3.0
 _SEND_EVERY_S = 0.05
 _STOPS_AT_LEAST = 3  # a datagram may be lost
+_BASE_SPEAKS_WITHIN_S = 0.3  # pilotfish-base publishes its state 20 times a second or more
 
 # What the counters of a status mean to whoever has just asked for something.
 _REFUSALS = {
@@ -58,6 +59,7 @@ class Operator:
                 key = load_key(str(key_file))
             self._bus = Bus(lcm_url)
             self._bus.on_status(robot, self._heard)
+            self._bus.on_base(robot, self._heard_base)
         except BusError as error:
             raise SilentRobotError(str(error)) from error
         except ValueError as error:
@@ -66,8 +68,9 @@ class Operator:
             self._bus.set_key(key)
         self.robot = robot
         self.status: StatusReport | None = None  # the last one heard
+        self.base: BaseReport | None = None  # the last one heard of the process that owns the wheels
         self.sent = 0  # messages, by the last request
-        self._statuses = 0
+        self._statuses = self._bases = 0
         self._rejected: dict[str, int] = {}
         self._counter = 0
 
@@ -80,24 +83,40 @@ class Operator:
         return self._status()
 
     def stop(self, within_s: float = WITHIN_S) -> StatusReport:
-        """Sends from the first moment, also to a coordinator that is not heard; at least three times."""
-        self.sent, heard = 0, self._statuses
-        shows_it = lambda: self._statuses > heard and not self._status().setpoint.run  # noqa: E731
+        """Sends from the first moment, also to a coordinator that is not heard; at least three times.
+
+        Until the coordinator shows it, and the wheels (pilotfish-base), if they are heard.
+        """
+        self.sent, heard, heard_bases = 0, self._statuses, self._bases
+        wheels_stopped = lambda: self.base is None or (self._bases > heard_bases and self._wheels_stopped())  # noqa: E731
+        shows_it = lambda: self._statuses > heard and not self._status().setpoint.run and wheels_stopped()  # noqa: E731
         give_up = time.monotonic() + within_s
         while self.sent < _STOPS_AT_LEAST or (not shows_it() and time.monotonic() < give_up):
             kept = self.status.setpoint if self.status else Setpoint()
             self._send(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=False))
             self._wait(shows_it, _SEND_EVERY_S if self.sent >= _STOPS_AT_LEAST else 0.01)
         if self._statuses == heard:
-            raise SilentRobotError(f"{self.sent} stops were sent, and nobody has confirmed: {self._nobody(within_s)}")
+            who = "only its wheels have" if self._bases > heard_bases and self._wheels_stopped() else "nobody has"
+            raise SilentRobotError(f"{self.sent} stops were sent, and {who} confirmed: {self._nobody(within_s)}")
         if not shows_it():
             raise OperatorError(f"{self.sent} stops were sent in {within_s:g} s, and {self._says()}")
         return self._status()
 
     def resume(self, within_s: float = WITHIN_S) -> StatusReport:
-        """Ends a stop; what was kept before is kept again."""
+        """Ends a stop; what was kept before is kept again.
+
+        Raises OperatorError also if the wheels (pilotfish-base), which hold stops of their own, stay stopped: they are
+        not asked again here, because between two messages somebody else may have stopped the robot.
+        """
         kept = self.listen(within_s).setpoint
-        return self._ask(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=True), within_s)
+        status = self._ask(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=True), within_s)
+        heard = self._bases
+        self._wait(lambda: self._bases > heard and not self._wheels_stopped(), _BASE_SPEAKS_WITHIN_S)
+        if self._bases > heard and self._wheels_stopped():
+            raise OperatorError(
+                f"the coordinator of {self.robot} runs, but its wheels stay stopped: ask once more; {self._says()}"
+            )
+        return status
 
     def set_setpoint(self, *, distance_m: float, bearing_rad: float, within_s: float = WITHIN_S) -> StatusReport:
         """Says what to keep. A robot that has been stopped stays stopped."""
@@ -135,6 +154,9 @@ class Operator:
         now = self._status()
         return before.setpoint.run and not now.setpoint.run and now.session == before.session
 
+    def _wheels_stopped(self) -> bool:
+        return self.base is not None and self.base.stopped
+
     def _accepted(self, counter: int) -> bool:
         return self._status().setpoint_counter >= counter
 
@@ -156,6 +178,10 @@ class Operator:
         self._statuses += 1
         self._rejected |= status.rejected
 
+    def _heard_base(self, base: BaseReport) -> None:
+        self.base = base
+        self._bases += 1
+
     def _wait(self, condition: Callable[[], bool], timeout_s: float) -> None:
         deadline = time.monotonic() + timeout_s
         while not condition() and (left_s := deadline - time.monotonic()) > 0:
@@ -172,7 +198,8 @@ class Operator:
         )
 
     def _says(self) -> str:
-        return f"{self.robot} says: {describe(self._status())}"
+        wheels = f"; its wheels say: {self.base.text or self.base.state.name}" if self.base else ""
+        return f"{self.robot} says: {describe(self._status())}{wheels}"
 
 
 def describe(status: StatusReport) -> str:

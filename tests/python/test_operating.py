@@ -77,6 +77,28 @@ def test_a_stop_reaches_a_coordinator_that_says_nothing(url):
     assert not any(report.setpoint.run for report in heard)
 
 
+def test_wheels_that_stay_stopped_are_no_resumed_robot(url):
+    with PlayedCoordinator(url) as robot:
+        operator = Operator("robot1", lcm_url=url)
+        robot.base_stopped = True
+        operator.stop()
+        with pytest.raises(OperatorError, match=r"runs, but its wheels stay stopped: ask once more; .* stopped"):
+            operator.resume()
+        robot.base_stopped = False
+        assert operator.resume().setpoint.run
+
+
+def test_wheels_that_have_not_stopped_are_no_stopped_robot(url):
+    with PlayedCoordinator(url) as robot:
+        operator = Operator("robot1", lcm_url=url)
+        robot.base_stopped = False
+        operator.listen()
+        with pytest.raises(OperatorError, match=r"stops were sent in .* its wheels say: waiting"):
+            operator.stop(SHORT_S)
+        robot.base_stopped = True
+        assert not operator.stop().setpoint.run
+
+
 def test_a_coordinator_that_does_not_do_it_is_quoted(url):
     with PlayedCoordinator(url, deaf=True):
         operator = Operator("robot1", lcm_url=url)
