@@ -8,6 +8,7 @@
 #include "latency_watch.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "reporter.hpp"
+#include "search_budget.hpp"
 #include "simulated_clock.hpp"
 #include "translate.hpp"
 
@@ -40,7 +41,8 @@ class Loop {
         parts_(parts),
         coordinator_(coordinator),
         reporter_(config, parts, coordinator),
-        latency_(config) {}
+        latency_(config),
+        search_(config.frame_rate_hz, config.max_age_s) {}
 
   /// Until the end, which is said as well: who watches must not take the last status for what still holds.
   void run() {
@@ -78,7 +80,7 @@ class Loop {
   /// For questions between frames, on the frames' clock.
   MonotonicTime now() const { return config_.simulated ? clock_.now() : monotonic_now(); }
 
-  void look_at(const Frame& frame, MonotonicTime arrival) {
+  void look_at(Frame frame, MonotonicTime arrival) {
     if (config_.simulated && last_utime_ == frame.utime && !parts_.pull) {
       // The same picture again: a simulator asks for an answer that got lost. The old one holds while it is fresh.
       parts_.sender.answer_again(frame.utime);
@@ -86,13 +88,15 @@ class Loop {
     }
     last_utime_ = frame.utime;
     timing_.frame_rate_hz = rate_.arrived(arrival);
+    // What is replayed, or simulated, waits for us and must not depend on how fast we are.
+    frame.coarse_search = !config_.simulated && search_.coarse();
     const MonotonicTime begin = monotonic_now();
     const MonotonicTime now = config_.simulated ? clock_.at(frame.utime, arrival) : arrival;
     StepResult result = coordinator_.step(frame, now);
     const MonotonicTime end = monotonic_now();
     timing_.processing_s = seconds_between(begin, end);
-    if (parts_.black_box != nullptr)
-      parts_.black_box->frame(frame.utime, frame.known_age_us, now, result, coordinator_);
+    if (coordinator_.whole_picture_searches() != searches_) watch_search(timing_.processing_s);
+    if (parts_.black_box != nullptr) parts_.black_box->frame(frame, now, result, coordinator_);
     const HeldAnswer sent = parts_.sender.answer(result, coordinator_.held(), frame.utime);
     const MonotonicTime left = monotonic_now();
     reporter_.waited.add(seconds_between(arrival, begin));
@@ -106,6 +110,16 @@ class Loop {
     count_epochs();
     reporter_.report(result, timing_);
     reporter_.print(result, timing_);
+  }
+
+  void watch_search(double seconds) {
+    searches_ = coordinator_.whole_picture_searches();
+    if (!search_.searched(seconds) || config_.simulated) return;
+    spdlog::warn(
+        "searching a whole picture took {:.0f} ms, and there are {:.0f}: three of four are searched at half the "
+        "resolution, which finds a leader at half the distance only. A lower vision.acquisition_range_m, a smaller "
+        "picture or a lower frame_rate_hz would make it quick enough",
+        seconds * 1e3, search_.budget_s() * 1e3);
   }
 
   /// Of a JPEG the bytes that were decoded, so that a replay can see again; of others a copy now and then, for people.
@@ -181,6 +195,8 @@ class Loop {
   Coordinator& coordinator_;
   Reporter reporter_;
   LatencyWatch latency_;
+  SearchBudget search_;
+  std::int64_t searches_ = 0;
   SimulatedClock clock_;
   RateMeter rate_;
   StepTiming timing_;

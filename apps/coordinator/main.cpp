@@ -207,8 +207,13 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   if (black_box) spdlog::info("black box: {} MB at most in {}", file.black_box.total_mb, file.black_box.directory);
   if (simulated) spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels will not obey");
   spdlog::info("ready: {}", source.description);
-  const LoopConfig loop{file.name, session,      file.frame_rate_hz,
-                        simulated, options.json, file.coordinator.control.drive.latency_s};
+  const LoopConfig loop{file.name,
+                        session,
+                        file.frame_rate_hz,
+                        simulated,
+                        options.json,
+                        file.coordinator.safety.max_age_s,
+                        file.coordinator.control.drive.latency_s};
   supervisor.ready(source.description);
   const LoopParts parts{*inbox,
                         source.pull,

@@ -71,7 +71,9 @@ int main(int argc, char** argv) {
     const MonotonicTime now = monotonic_now();
     const std::int64_t utime = 1'000'000 + now.us;
     const StepResult result = core.answer(utime, {seen_at(utime, 2.0 - 0.001 * (k % 100)), Reason::none}, now);
-    frame.measure([&] { box.frame(utime, 0, now, result, core); });
+    Frame asked;
+    asked.utime = utime;
+    frame.measure([&] { box.frame(asked, now, result, core); });
     const HeldAnswer answer = core.held().at(now, Reason::none);
     sent.measure([&] { box.sent(core.held(), now, Reason::none, answer, 1, k); });
     message.measure([&] { box.message("ROBOT1_IMAGE", jpeg.data(), jpeg.size()); });

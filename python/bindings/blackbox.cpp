@@ -25,10 +25,15 @@ PYBIND11_MODULE(blackbox, m) {
       .def(
           "frame",
           [](BlackBox& box, std::int64_t utime, std::int64_t known_age_us, std::int64_t now_us,
-             const StepResult& result,
-             const Coordinator& core) { box.frame(utime, known_age_us, {now_us}, result, core); },
+             const StepResult& result, const Coordinator& core, bool coarse_search) {
+            Frame frame;
+            frame.utime = utime;
+            frame.known_age_us = known_age_us;
+            frame.coarse_search = coarse_search;
+            box.frame(frame, {now_us}, result, core);
+          },
           py::arg("utime"), py::arg("known_age_us"), py::arg("now_us"), py::arg("result"), py::arg("coordinator"),
-          Release())
+          py::arg("coarse_search") = false, Release())
       .def("setpoint", &BlackBox::setpoint, py::arg("setpoint"), py::arg("taken"), py::arg("coordinator"), Release())
       .def("own_motion", &BlackBox::own_motion, py::arg("utime"), py::arg("twist"), py::arg("taken"),
            py::arg("coordinator"), Release())

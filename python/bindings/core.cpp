@@ -138,6 +138,8 @@ PYBIND11_MODULE(core, m) {
       .def_readonly("utime", &Frame::utime)
       .def_readwrite("known_age_us", &Frame::known_age_us,
                      "What is known to have passed between exposure and arrival; can only make a frame older.")
+      .def_readwrite("coarse_search", &Frame::coarse_search,
+                     "Where the whole picture has to be searched, it is searched at half the resolution.")
       .def_property_readonly("width", [](const Frame& frame) { return frame.image.width; })
       .def_property_readonly("height", [](const Frame& frame) { return frame.image.height; })
       .def_property_readonly(

@@ -193,13 +193,14 @@ BlackBox::~BlackBox() {
   }
 }
 
-void BlackBox::frame(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now, const StepResult& result,
+void BlackBox::frame(const Frame& frame, MonotonicTime now, const StepResult& result,
                      const Coordinator& core) noexcept {
   Call call;
   call.kind = step_t::KIND_FRAME;
   call.now_us = now.us;
-  call.utime = utime;
-  call.known_age_us = known_age_us;
+  call.utime = frame.utime;
+  call.known_age_us = frame.known_age_us;
+  call.coarse_search = frame.coarse_search;
   shared_->record_call(core, [&](std::int64_t sequence) { return encode_frame(sequence, call, result, core.held()); });
 }
 

@@ -80,6 +80,7 @@ step_t message_of(std::int64_t sequence, const Call& call, const HeldCommand& he
   message.now_us = call.now_us;
   message.utime = call.utime;
   message.known_age_us = call.known_age_us;
+  message.coarse_search = call.coarse_search;
   message.distance_m = call.setpoint.distance_m;
   message.bearing_rad = call.setpoint.bearing_rad;
   message.run = call.setpoint.run;

@@ -8,6 +8,7 @@ namespace pilotfish::blackbox {
 struct Call {
   std::int8_t kind = 0;  ///< step_t's KIND_ numbers
   std::int64_t now_us = 0, utime = 0, known_age_us = 0;
+  bool coarse_search = false;
   Setpoint setpoint{0.0, 0.0, false};
   Twist twist;
 };

@@ -208,7 +208,9 @@ Sight LeaderObserver::look(const Frame& frame) {
       if (sight.observation) return sight;
     }
   }
-  Attempt detected = detect_tags(image, {0, 0, image.width, image.height, 0.0}, decimation_);
+  ++whole_picture_searches_;
+  const double decimation = frame.coarse_search ? coarser_decimation(decimation_) : decimation_;
+  Attempt detected = detect_tags(image, {0, 0, image.width, image.height, 0.0}, decimation);
   detected.rejected = larger_of_each(detected.rejected, followed.rejected);
   // What was followed up to the rim of the picture is too near to it for the detector: the first reason is the better
   // one.

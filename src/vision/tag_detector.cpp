@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <climits>
+#include <iterator>
 #include <tuple>
 
 #include "pilotfish/vision/tag_family.hpp"
@@ -174,6 +175,12 @@ double decimation_for(double cell_px) noexcept {
   for (double decimation : kDecimations)
     if (cell_px >= kLeastCell_px * decimation) largest = decimation;
   return largest;
+}
+
+double coarser_decimation(double decimation) noexcept {
+  for (double coarser : kDecimations)
+    if (coarser >= 2.0 * decimation) return coarser;
+  return *std::rbegin(kDecimations);
 }
 
 }  // namespace pilotfish::vision

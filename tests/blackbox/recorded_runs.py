@@ -46,7 +46,7 @@ class RecordedRun:
 
     def look(self, frame, now_us):
         result = self.core.step(frame, now_us)
-        self.box.frame(frame.utime, frame.known_age_us, now_us, result, self.core)
+        self.box.frame(frame.utime, frame.known_age_us, now_us, result, self.core, frame.coarse_search)
         return self._keep(result)
 
     def set_setpoint(self, setpoint):

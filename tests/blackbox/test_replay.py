@@ -165,6 +165,22 @@ def test_jpegs_as_they_came_are_seen_again_bit_for_bit(tmp_path):
     assert 0 < report.measured <= 20
 
 
+def test_a_picture_that_was_searched_coarsely_is_searched_coarsely_again(tmp_path):
+    run = RecordedRun(tmp_path)
+    for k, frame in enumerate(leader_pictures(6)):
+        message = wire.encode_image(frame.image, utime=frame.utime, jpeg=True)
+        run.box.message("ROBOT1_IMAGE", message)
+        received = image_t.decode(message)
+        decoded = blackbox.decode_jpeg(bytes(received.data), width=640, height=480, utime=frame.utime)
+        decoded.coarse_search = k < 3
+        run.look(decoded, 9_000_000 + k * PERIOD_US)
+    run.close()
+    steps = [step_t.decode(event.data) for event in events_in(tmp_path) if event.channel.endswith("_STEP")]
+    assert [bool(step.coarse_search) for step in steps] == [True] * 3 + [False] * 3
+    report = replay(events_in(tmp_path), from_pixels=True)
+    assert report.first_difference is None and report.sights == 6
+
+
 def test_copies_for_people_are_not_taken_for_what_was_seen(tmp_path):
     run = RecordedRun(tmp_path, picture_rate_hz=1000.0)
     for k, frame in enumerate(leader_pictures(5)):

@@ -1,7 +1,8 @@
-// Every YAML file of ours: the same text as a configuration, a tuning, a leader, a controller and a scenario. Each is
-// loaded or refused with ConfigError; anything else that is thrown ends the program.
+// Every YAML file of ours: the same text as a configuration of either program, a tuning, a leader, a controller and a
+// scenario. Each is loaded or refused with ConfigError; anything else that is thrown ends the program.
 #include <cstdint>
 
+#include "pilotfish/config/base_file.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/scenario_file.hpp"
 
@@ -16,6 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   };
   loads([&] { config::parse_coordinator(file); });
+  loads([&] { config::parse_base(file); });
   loads([&] { config::parse_leader_body(file); });
   loads([&] { config::parse_fuzzy_controller(file); });
   loads([&] { config::parse_scenario(file); });

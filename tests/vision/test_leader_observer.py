@@ -101,6 +101,21 @@ def test_the_covariance_is_that_of_the_pose_carried_to_distance_bearing_and_head
     assert np.abs(left - mirrored).max() < 0.3 * np.abs(left).max()
 
 
+def test_a_coarse_search_finds_the_near_leader_and_not_the_far_one_and_follows_both():
+    # A tag of 0.16 m and 8 cells at 600 px: 12 / d px a cell. The range of 3.5 m gives 3.4 px and decimation 2 (1.55 px
+    # a cell are needed); coarse is 4: at 1.5 m 2.0 px a cell, enough; at 3.3 m 0.9 px, too few.
+    for distance_m, found_coarsely in ((1.5, True), (3.3, False)):
+        image = picture([(TAG, leader_at(distance_m, 0.05, 0.1))])
+        coarse, whole = Frame(image, utime=1), Frame(image, utime=1)
+        coarse.coarse_search = True
+        assert (observer().observe(coarse).observation is not None) == found_coarsely
+        eye = observer()
+        assert eye.observe(whole).observation is not None
+        followed = Frame(image, utime=33_334)  # not searched, so not coarsely
+        followed.coarse_search = True
+        assert eye.observe(followed).observation is not None
+
+
 def test_the_mounting_turns_and_moves_what_is_seen():
     cMo = leader_at(1.5, 0.1, 0.4)
     image = picture([(TAG, cMo)])

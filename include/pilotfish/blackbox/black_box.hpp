@@ -46,9 +46,9 @@ class BlackBox {
   BlackBox(const BlackBox&) = delete;
   BlackBox& operator=(const BlackBox&) = delete;
 
-  /// Each call of the core, right after it, in their order and from the thread that makes them.
-  void frame(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now, const StepResult& result,
-             const Coordinator& core) noexcept;
+  /// Each call of the core, right after it, in their order and from the thread that makes them. Of the frame all but
+  /// its pixels: picture() and message() keep those.
+  void frame(const Frame& frame, MonotonicTime now, const StepResult& result, const Coordinator& core) noexcept;
   void setpoint(const Setpoint& setpoint, bool taken, const Coordinator& core) noexcept;
   void own_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
   void announced_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;

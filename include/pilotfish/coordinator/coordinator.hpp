@@ -107,6 +107,7 @@ class Coordinator {
   bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept;
   static constexpr double kOtherClock_s = 1.0;
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
+  std::int64_t whole_picture_searches() const { return observer_.whole_picture_searches(); }
 
   /// What it remembers, bit for bit, apart from its configuration: another one of the same configuration that is given
   /// this goes on exactly as this one would. For recordings that are replayed from their middle; no copy of the object,

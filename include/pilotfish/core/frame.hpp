@@ -34,6 +34,9 @@ struct Frame {
   /// What is known to have passed between exposure and arrival [us]: a driver's time stamp, or the wall clock if the
   /// sender shares it. 0: nothing is known. Negative: the stamp is of the future. It can only make a frame older.
   std::int64_t known_age_us = 0;
+  /// The computer does not keep up: where the whole picture has to be searched, it is searched at half the resolution,
+  /// which finds nearer leaders only. Not decided here, so that a frame is answered the same wherever it is replayed.
+  bool coarse_search = false;
 
   /// Takes the pixels over (stride = width). Sizes are not checked here: check(frame.image) does, at the point of use.
   static Frame from_pixels(std::int64_t utime, int width, int height, std::vector<std::uint8_t> pixels);

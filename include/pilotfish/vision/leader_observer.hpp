@@ -77,6 +77,8 @@ class LeaderObserver {
   void forget() noexcept;
 
   const RejectionCounters& rejected() const { return rejected_; }
+  /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
+  std::int64_t whole_picture_searches() const { return whole_picture_searches_; }
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; counters decide nothing
@@ -111,6 +113,7 @@ class LeaderObserver {
   LeaderTrack track_;
   HeadingFilter heading_;
   RejectionCounters rejected_;
+  std::int64_t whole_picture_searches_ = 0;
 };
 
 }  // namespace pilotfish::vision

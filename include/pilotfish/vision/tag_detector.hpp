@@ -57,5 +57,7 @@ class TagDetector {
 
 /// The largest decimation with which quads are still found whose cells are `cell_px` wide in the picture.
 double decimation_for(double cell_px) noexcept;
+/// The smallest decimation that is at least twice as large, else the largest there is.
+double coarser_decimation(double decimation) noexcept;
 
 }  // namespace pilotfish::vision

@@ -253,6 +253,7 @@ class _Run:
         if frame is None:
             frame = core.Frame.unchecked(b"", width=0, height=0, stride_bytes=0, utime=message.utime)
         frame.known_age_us = message.known_age_us
+        frame.coarse_search = bool(message.coarse_search)
         return self._core.step(frame, message.now_us)
 
     def _other_call(self, event: Event, message: step_t) -> None:
