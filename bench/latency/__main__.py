@@ -109,7 +109,8 @@ def _inside(found: list[Delays]) -> str:
     return "\n".join(
         f"{arm.picture}: {arm.tracking / max(len(arm.milliseconds), 1):.1%} of the answers follow the leader; "
         f"{arm.other_commands} other commands; the coordinator's own p50 from arrival to command "
-        f"{_median(arm.inside_ms):.3f} ms, of it vision and law {_median(arm.looked_ms):.3f} ms"
+        f"{_median(arm.inside_ms):.3f} ms, of it vision and law {_median(arm.looked_ms):.3f} ms; "
+        f"the very first picture, not counted, {arm.first_ms:.1f} ms"
         for arm in found
         if arm.receiver == "pilotfish"
     )

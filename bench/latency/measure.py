@@ -6,6 +6,7 @@ clock runs from just before publish() to the kernel's time stamp of the first co
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import sys
@@ -17,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import lcm
-from ear import Ear
+from ear import Ear, Heard
 
 from pilotfish import data, sim, wire
 from pilotfish.harness.child import Child
@@ -28,7 +29,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "safety"))
 from base_deadline import _process, _real_time, _work
 
 RATE_HZ = 30.0
-WARM_UP = 60  # pictures that do not count: until the leader is followed and the memory is there
+WARM_UP = 60  # pictures before those that count: until the leader is followed and the memory is there
 # Below all that is measured: on one core the sender, once publish() has returned, must not hold the receivers up.
 SENDER_PRIORITY = 5
 
@@ -62,6 +63,7 @@ class Delays:
     other_commands: int  # between them
     looked_ms: list[float]  # what the coordinator says of itself
     inside_ms: list[float]
+    first_ms: float  # of the very first picture, in which the leader had to be found
 
 
 class _Arm:
@@ -69,6 +71,7 @@ class _Arm:
         self.receiver, self.picture = receiver, picture
         self.ear, self._out, self._pictures = Ear(url), lcm.LCM(url), pictures
         self._sent_ns: dict[int, int] = {}
+        self._first_ms = 0.0
 
     def show(self, number: int) -> None:
         message = self._pictures[number % len(self._pictures)]
@@ -79,17 +82,17 @@ class _Arm:
         self._out.publish("ROBOT1_IMAGE", encoded)
 
     def begin(self) -> None:
-        """What was heard so far is forgotten."""
+        """What was heard so far is forgotten, but for the first answer."""
+        self._first_ms = next(iter(self._answered()), math.inf)
         self._sent_ns.clear()
-        self.ear.heard = type(self.ear.heard)()
+        self.ear.heard = Heard()
+
+    def _answered(self) -> list[float]:
+        answers_ns = self.ear.heard.answers_ns
+        return [(answers_ns[utime] - sent_ns) * 1e-6 for utime, sent_ns in self._sent_ns.items() if utime in answers_ns]
 
     def delays(self) -> Delays:
-        heard = self.ear.heard
-        found = [
-            (heard.answers_ns[utime] - sent_ns) * 1e-6
-            for utime, sent_ns in self._sent_ns.items()
-            if utime in heard.answers_ns
-        ]
+        heard, found = self.ear.heard, self._answered()
         return Delays(
             self.receiver,
             self.picture,
@@ -99,6 +102,7 @@ class _Arm:
             heard.other_commands,
             heard.looked_ms,
             heard.inside_ms,
+            self._first_ms,
         )
 
 
@@ -120,9 +124,6 @@ def measure(condition: Condition, frames: int, bare_transport: Path) -> list[Del
         stack.enter_context(_on_cores(condition.sender_cores))
         stack.callback(_real_time, 0)
         _real_time(SENDER_PRIORITY)
-        _show(arms, WARM_UP)
-        for arm in arms:
-            arm.begin()
         _show(arms, frames)
         return [arm.delays() for arm in arms]
 
@@ -144,12 +145,15 @@ def moving_leader() -> dict[str, list[bytearray]]:
 
 
 def _show(arms: list[_Arm], frames: int) -> None:
-    """Every arm at the camera's rate. A turn that comes late moves the later ones; nothing is made up for."""
+    """To every arm at the camera's rate, without a pause behind the first ones. A turn that comes late moves the later
+    ones; nothing is made up for."""
     ears = {arm.ear.fileno(): arm.ear for arm in arms}
     turn_s = 1.0 / RATE_HZ / len(arms)
     due_s = time.monotonic()
-    for number in range(frames):
+    for number in range(WARM_UP + frames):
         for arm in arms:
+            if number == WARM_UP:
+                arm.begin()
             arm.show(number)
             due_s = max(due_s + turn_s, time.monotonic())
             _listen(ears, due_s)
