@@ -144,6 +144,19 @@ def test_told_to_stop_it_stands_still_but_keeps_looking():
     assert heart.command_at(FRAMES[-1].utime + PERIOD_US).status == Status.stopped
 
 
+def test_a_stop_and_a_run_between_two_frames_leave_nothing_to_drive_on():
+    heart, last = tracking_coordinator()
+    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=False))
+    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=True))
+    seen_utime = FRAMES[-1].utime
+    assert heart.command_at(seen_utime + 1).command == STILL
+    next_frame = at(FRAMES[-1], seen_utime + PERIOD_US)
+    again = step(heart, next_frame).command
+    # From rest the acceleration limit alone decides, as for one that has just begun; it does not depend on the last mm.
+    assert again.linear_mps == pytest.approx(step(fresh(), next_frame).command.linear_mps, rel=1e-9)
+    assert again.linear_mps < 0.5 * last.command.linear_mps
+
+
 @pytest.mark.parametrize("change", [{"distance_m": math.nan}, {"distance_m": -1.0}, {"bearing_rad": math.inf}])
 def test_a_setpoint_out_of_range_is_refused_and_the_old_one_stays(change):
     heart = fresh()
