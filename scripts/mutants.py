@@ -1,7 +1,8 @@
 """What scripts/mutate does, once universalmutator is there: which mutants of some files survive the tests?
 
 A mutant counts if it compiles to something else than the original: what differs in comments, in the words of a text for
-people, or not at all in the object file, is no mutant, nor is what the compiler warns of. --tests come first; what survives them meets --slow-tests.
+people, or not at all in the object file is no mutant, nor is what the compiler warns of. --tests come first; what
+survives them meets --slow-tests.
 """
 
 from __future__ import annotations
@@ -58,7 +59,18 @@ def copy_tree() -> None:
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(source, target)
     python = f"-DPython_EXECUTABLE={PYTHON}"
-    configure = ["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DPILOTFISH_TESTS=ON", "-DPILOTFISH_WERROR=ON", python]
+    configure = [
+        "cmake",
+        "-S",
+        TREE,
+        "-B",
+        BUILD,
+        "-G",
+        "Ninja",
+        "-DPILOTFISH_TESTS=ON",
+        "-DPILOTFISH_WERROR=ON",
+        python,
+    ]
     if run(configure, BUILD_WITHIN_S) or not build([], 3 * BUILD_WITHIN_S):
         sys.exit(f"the copy in {TREE} does not build")
 

@@ -131,6 +131,14 @@ def test_wild_stamps_between_all_good_frames_do_not_end_the_epoch():
         assert robot.frame(last + k * PERIOD_US, after_us=PERIOD_US - 10_000).status == Status.tracking
 
 
+def test_a_frame_a_little_ahead_of_time_is_believed_even_if_the_one_before_it_was_too_far_ahead():
+    """50 ms ahead are no fault; that the two agree with each other to 20 ms says nothing against the second."""
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last + PERIOD_US + 60_000).reason == Reason.frame_time_implausible
+    assert robot.frame(last + 2 * PERIOD_US + 40_000).status == Status.tracking
+
+
 @pytest.mark.fault("stamps_wrong_unit")
 def test_stamps_in_milliseconds_are_refused_as_soon_as_they_cannot_be_true():
     robot = Robot()
