@@ -189,6 +189,17 @@ def test_a_longer_life_of_measurements_needs_a_speed_that_keeps_the_blind_travel
         coordinator.Coordinator(config_with(0.26, 0.1))
 
 
+def test_who_is_refused_for_blind_travel_is_told_what_would_do():
+    """0.2 s at 0.31 m/s is 0.062 m; 0.06 m in 0.2 s are 0.3 m/s. The faster of the two directions counts."""
+    for forward_mps, reverse_mps in [(0.31, 0.1), (0.1, 0.31)]:
+        with pytest.raises(ValueError, match="blind travel") as refused:
+            coordinator.Coordinator(config_with(0.2, forward_mps, reverse_mps))
+        assert str(refused.value).endswith(
+            "0.2 s at 0.31 m/s is 0.062 m of blind travel, more than 0.06 m; "
+            "lower control.limits.max_linear_mps and max_reverse_mps to 0.3, or max_age_s to 0.1"
+        )
+
+
 def test_a_setpoint_below_the_stop_distance_is_refused_at_load_and_later():
     config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
     config.safety.stop_distance_m = 1.2
