@@ -79,7 +79,7 @@ def code_of(file: Path) -> str:
     """Without comments, and with all texts for people alike."""
     words = ["g++", "-fpreprocessed", "-dD", "-E", "-P", "-x", "c++", str(file)]
     text = subprocess.run(words, capture_output=True, text=True, check=False).stdout
-    return " ".join(PROSE.sub('" "', text).split())
+    return " ".join(PROSE.sub('""', text).split())
 
 
 def mutants_of(file: str) -> list[Path]:
