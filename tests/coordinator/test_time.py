@@ -187,6 +187,20 @@ def test_a_frame_known_to_be_old_or_of_the_future_moves_nothing():
         assert (result.status, result.reason, result.command) == (Status.invalid_input, reason, STILL)
 
 
+def test_a_frame_of_the_future_by_a_clock_that_both_sides_share_is_refused_in_the_middle_of_an_epoch_too():
+    """Its stamp fits those before it; but exposed 50.001 ms after it arrived, it is a lie, and one that never ends an
+    epoch, however long it lasts."""
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last + PERIOD_US, known_age_us=-50_000).status == Status.tracking
+    for k in range(2, 60):
+        result = robot.frame(last + k * PERIOD_US, known_age_us=-50_001)
+        assert result.reason == Reason.frame_time_implausible
+        assert (result.command == STILL) == (k > 4)  # three periods are 99 999 us: till then the last one holds
+    assert robot.heart.clock_epochs == 0
+    assert robot.frame(last + 60 * PERIOD_US, known_age_us=0).status == Status.tracking
+
+
 @pytest.mark.fault("forged_first_image")
 def test_one_forged_first_image_does_not_make_a_camera_that_is_3_s_late_look_fresh():
     robot = Robot()
