@@ -119,18 +119,19 @@ def test_a_second_sender_never_drives_and_does_not_disturb_the_first(wheels):
     assert wheels.base.rejected == {"command_foreign": 199}
 
 
-def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_obeyed_after_that(wheels):
-    driven(wheels)
+@pytest.mark.parametrize(("first", "second"), [(1, 2), (2, 1)])  # sessions are random: none is later than another
+def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_obeyed_after_that(wheels, first, second):
+    driven(wheels, session=first)
     wheels.pass_ms(480)
-    assert wheels.command(2, 1) == CommandVerdict.foreign  # 500 ms since the last command, not more
+    assert wheels.command(second, 1) == CommandVerdict.foreign  # 500 ms since the last command, not more
     out = wheels.pass_ms(30)
     assert out.obeys == 0
-    assert wheels.command(2, 2) == CommandVerdict.obeyed
-    assert wheels.command(1, 1000) == CommandVerdict.session_ended
+    assert wheels.command(second, 2) == CommandVerdict.obeyed
+    assert wheels.command(first, 1000) == CommandVerdict.session_ended
     wheels.pass_ms(600)
-    assert wheels.command(1, 1001) == CommandVerdict.session_ended
-    assert wheels.command(2, 2) == CommandVerdict.replayed
-    assert wheels.command(2, 3) == CommandVerdict.obeyed  # silent for 600 ms, and nobody drove in between
+    assert wheels.command(first, 1001) == CommandVerdict.session_ended
+    assert wheels.command(second, 2) == CommandVerdict.replayed
+    assert wheels.command(second, 3) == CommandVerdict.obeyed  # silent for 600 ms, and nobody drove in between
 
 
 def test_what_was_refused_as_foreign_cannot_be_played_once_its_time_has_come(wheels):
@@ -195,6 +196,7 @@ def test_a_resume_can_be_used_once(wheels):
     wheels.setpoint(run=False)
     for counter in (5, 4, -1):
         assert wheels.setpoint(session=1, counter=counter, run=True) == LatchVerdict.replayed
+    assert wheels.base.rejected == {"resume_replayed": 3}
     assert wheels.setpoint(session=1, counter=6, run=True) == LatchVerdict.resumed
 
 
@@ -213,14 +215,15 @@ def test_nobody_resumes_while_nobody_is_obeyed(wheels):
     assert wheels.pass_ms(10).state == BaseState.stopped
 
 
-def test_a_stop_survives_a_change_of_the_sender(wheels):
-    driven(wheels, session=1)
-    wheels.setpoint(run=False)
+@pytest.mark.parametrize(("first", "second"), [(1, 2), (2, 1)])
+def test_a_stop_survives_a_change_of_the_sender_and_the_next_one_counts_from_1_again(wheels, first, second):
+    driven(wheels, session=first)
+    wheels.setpoint(session=first, counter=8, run=False)
     wheels.pass_ms(600)
-    assert wheels.command(2, 1) == CommandVerdict.obeyed
+    assert wheels.command(second, 1) == CommandVerdict.obeyed
     assert not wheels.moves()
-    assert wheels.setpoint(session=1, counter=9, run=True) == LatchVerdict.other_session
-    assert wheels.setpoint(session=2, counter=1, run=True) == LatchVerdict.resumed
+    assert wheels.setpoint(session=first, counter=9, run=True) == LatchVerdict.other_session
+    assert wheels.setpoint(session=second, counter=1, run=True) == LatchVerdict.resumed
 
 
 def test_a_driver_that_cannot_be_reached_is_told_zeros(wheels):

@@ -12,7 +12,7 @@ from PIL import Image
 
 from pilotfish import bus, core, wire
 from pilotfish.lcmtypes.bot_core import image_t
-from pilotfish.lcmtypes.pilotfish import command_t, observation_t, setpoint_t, status_t
+from pilotfish.lcmtypes.pilotfish import command_t, observation_t, setpoint_t, stage_t, status_t
 
 INT32_MAX = 2**31 - 1
 
@@ -258,6 +258,19 @@ def test_a_list_of_counters_that_nobody_sends_is_refused(edge, channel, valid, a
     edge.accepts(channel, valid(rejected=[counter("x" * 24)]).encode())
     assert edge.refuses(channel, valid(rejected=[counter("x")] * (at_most + 1)).encode()).endswith("_corrupt")
     assert edge.refuses(channel, valid(rejected=[counter("x" * 25)]).encode()).endswith("_corrupt")
+
+
+def test_a_list_of_stages_that_nobody_sends_is_refused(edge):
+    def with_stages(names):
+        stages = [stage_t() for _ in names]
+        for stage, name in zip(stages, names, strict=True):
+            stage.name = name
+        return valid_status(stages=stages, stage_count=len(stages)).encode()
+
+    edge.accepts("R1_STATUS", with_stages(["x"] * 6))
+    edge.accepts("R1_STATUS", with_stages([]))
+    assert edge.refuses("R1_STATUS", with_stages(["x"] * 7)) == "status_corrupt"
+    assert edge.refuses("R1_STATUS", with_stages(["x" * 100])) == "status_corrupt"
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])

@@ -185,6 +185,29 @@ def test_one_sender_has_few_unfinished_messages_and_loses_its_oldest(probe):
     assert answer.counts["message_displaced"] == 2
 
 
+@pytest.mark.parametrize("other", [(2, 1), (0, 1), (1, 2), (1, 0)])
+def test_the_messages_of_one_sender_do_not_push_out_those_of_another(probe, other):
+    """Senders differ by address or by port; each may have three, and there are eight places."""
+    senders = [(1, 1), other]
+    begun = [in_fragments(b"A", payload_of(300, k), 100, sequence=k) for k in range(3)]
+    lines = [line for sender in senders for parts in begun for line in arriving(parts[0], sender=sender)]
+    lines += [line for sender in senders for parts in begun for line in arriving(*parts[1:], sender=sender)]
+    answer = probe(LIMITS, "subscribe A", *lines)
+    assert answer.payloads == [payload_of(300, k) for k in range(3)] * 2
+    assert answer.counts == {}
+
+
+def test_where_memory_ends_the_oldest_message_makes_room_for_the_newest(probe):
+    """Three of 9000 bytes, of which 20 000 hold two."""
+    begun = [in_fragments(b"A", payload_of(9000, k), 1000) for k in range(3)]
+    lines = [line for k, parts in enumerate(begun) for line in arriving(*parts[:-1], sender=(k, k))]
+    lines += [line for k, parts in enumerate(begun) for line in arriving(parts[-1], sender=(k, k))]
+    answer = probe(LIMITS, "subscribe A", *lines, "held")
+    assert answer.payloads == [payload_of(9000, k) for k in (1, 2)]
+    assert answer.counts == {"message_displaced": 1, "fragment_late": 1}
+    assert answer.held == [(0, 0)]
+
+
 def test_many_senders_share_the_places_and_the_oldest_message_goes(probe):
     firsts = [in_fragments(b"A", payload_of(300), 100)[0]] * 100
     lines = [line for k, datagram in enumerate(firsts) for line in arriving(datagram, sender=(k, k))]
@@ -291,6 +314,7 @@ def test_a_message_is_as_old_as_it_waited_in_the_kernel(probe):
     assert arrival(901_000) == 900_000
     assert arrival(950_000) == 900_000  # of the future: now
     assert arrival(0) == 500  # not before the instant at which nothing waited
+    assert arrival(1_000, now_us=400, wall_us=1_400) == 400  # asked about an instant before that: now
     # Somebody set the wall clock since (an hour back, an hour on): the oldest arrival that is possible.
     for step_us in (-3_600_000_000, 3_600_000_000, -2_001, 2_001):
         assert arrival(801_000, wall_us=901_000 + step_us) == 500

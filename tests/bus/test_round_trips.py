@@ -68,12 +68,23 @@ def test_a_command_comes_in_as_it_is(link):
 def test_an_observation_goes_out_as_it_is(link):
     corners = np.array([[1.5, 20.25], [10.75, 20.0], [10.5, 3.0], [1.25, 3.5]])  # exact in single precision
     tag = core.TagSighting(id=586, corners_px=corners, hamming=1, decision_margin=42.5)
-    observation = core.Observation(utime=9, distance_m=2.44, bearing_rad=-0.17, heading_rad=0.3, tags=[tag])
+    observation = core.Observation(
+        utime=9,
+        distance_m=2.44,
+        bearing_rad=-0.17,
+        heading_rad=0.3,
+        covariance=np.diag([1.0, 2.0, 3.0]),
+        reprojection_error_px=0.125,
+        ambiguity_ratio=7.5,
+        min_decision_margin=41.5,
+        tags=[tag],
+    )
     report = bus.ObservationReport(utime=9, observation=observation, latency_s=0.004)
     message = observation_t.decode(link.catch("R2_OBSERVATION", lambda: link.bus.publish_observation("r2", report)))
     assert (message.detected, message.utime, message.latency_s) == (True, 9, 0.004)
     assert (message.distance_m, message.bearing_rad, message.heading_rad) == (2.44, -0.17, 0.3)
-    np.testing.assert_array_equal(message.covariance, observation.covariance)
+    assert (message.reprojection_error_px, message.ambiguity_ratio, message.min_decision_margin) == (0.125, 7.5, 41.5)
+    np.testing.assert_array_equal(message.covariance, np.diag([1.0, 2.0, 3.0]))
     np.testing.assert_array_equal(message.camera_from_leader, observation.cMo[:3])
     (sighting,) = message.tags
     assert (sighting.id, sighting.hamming, sighting.decision_margin) == (586, 1, 42.5)
@@ -173,19 +184,20 @@ def test_an_announcement_survives_both_ways(link):
     assert (received[0].utime, received[0].twist) == (12, report.twist)
 
 
-def test_a_setpoint_survives_both_ways(link):
-    setpoint = core.Setpoint(distance_m=0.65, bearing_rad=0.2, run=False)
+@pytest.mark.parametrize("run", [False, True])
+def test_a_setpoint_survives_both_ways(link, run):
+    setpoint = core.Setpoint(distance_m=0.65, bearing_rad=0.2, run=run)
     report = bus.SetpointReport(utime=12, session=2**62 + 1, counter=2**61, setpoint=setpoint)
     data = link.catch("R1_SETPOINT", lambda: link.bus.publish_setpoint("r1", report))
     message = setpoint_t.decode(data)
     assert (message.utime, message.session, message.counter) == (12, 2**62 + 1, 2**61)
-    assert (message.distance_m, message.bearing_rad, message.run) == (0.65, 0.2, False)
+    assert (message.distance_m, message.bearing_rad, message.run) == (0.65, 0.2, run)
     received = []
     link.bus.on_setpoint("r1", received.append)
     link.send("R1_SETPOINT", data)
     (back,) = received
     assert (back.utime, back.session, back.counter) == (12, 2**62 + 1, 2**61)
-    assert (back.setpoint.distance_m, back.setpoint.bearing_rad, back.setpoint.run) == (0.65, 0.2, False)
+    assert (back.setpoint.distance_m, back.setpoint.bearing_rad, back.setpoint.run) == (0.65, 0.2, run)
 
 
 def test_a_raw_picture_survives_both_ways_bit_for_bit(link):

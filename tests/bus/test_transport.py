@@ -108,6 +108,16 @@ def test_random_bytes_to_the_port_are_counted_and_nothing_else(link, sender):
     assert len(link.bus.rejected) <= 15
 
 
+def test_a_datagram_without_a_byte_is_counted_and_hides_nothing_behind_it(link, sender):
+    received = setpoints_of(link)
+    link.bus.on_image("IMAGE", received.append)  # else the kernel drops it
+    link.bus.handle(0)
+    good = short(b"R1_SETPOINT", valid_setpoint(distance_m=1.25, mac=NO_MAC).encode())
+    sender.send(b"", good)
+    assert link.bus.handle(1000) == 1  # in one call
+    assert (received, link.bus.rejected) == ([1.25], {"datagram_not_lcm": 1})
+
+
 def test_an_image_in_fragments_comes_through_in_any_order_and_once(link, sender):
     received = []
     link.bus.on_image("IMAGE", received.append)
@@ -235,6 +245,10 @@ def test_what_another_host_sends_is_dropped_where_the_bus_is_this_host_alone(own
 def arrival_of_one_that_waits(link, arrivals, channel, data):
     """Its arrival, and when it was sent; it waits unread for 30 ms, as it would while this process is stopped."""
     arrivals.clear()
+    link.bus.handle(0)
+    idle_us = now_us() + 5_000  # since then nothing has waited: who does not know an arrival says that instant
+    while now_us() < idle_us:
+        pass
     before = now_us()
     link.lcm.publish(channel, data)
     after = now_us()

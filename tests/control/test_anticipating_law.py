@@ -65,6 +65,18 @@ def test_off_the_setpoint_the_distance_closes_at_the_law_s_speed_and_the_bearing
     assert theta_rate == pytest.approx(-CONFIG.heading_gain_per_s * (theta - theta_pd), abs=1e-5)
 
 
+@settings(derandomize=True)
+@given(distances, bearings, speeds, speeds, speeds)
+def test_the_change_of_the_error_is_what_the_distance_loses_along_the_line_of_sight_in_a_control_period(
+    d, theta, radial, tangential, own_mps
+):
+    """Of the own speed only v cos(theta) shortens the distance: d' from moving both bodies, and ec = -d' T."""
+    motion, own = leader(d, theta, radial, tangential), core.Twist(linear_mps=own_mps, angular_radps=0.3)
+    out = control.anticipate(LAW, PAPER, CONFIG, motion, own, core.Setpoint(distance_m=1.0))
+    d_rate, _ = rates(motion, own)
+    assert out.velocity.error_change_m == pytest.approx(-d_rate * PAPER.control_period_s, abs=1e-6)
+
+
 def test_trust_is_one_half_at_the_trusted_sigma_and_falls_smoothly_to_nothing():
     sigmas = [0.0, CONFIG.trusted_sigma_mps, 10.0, 1e9]
     trusts = [control.trust(CONFIG, leader(radial_sigma_mps=sigma)) for sigma in sigmas]

@@ -144,6 +144,19 @@ def test_told_to_stop_it_stands_still_but_keeps_looking():
     assert heart.command_at(FRAMES[-1].utime + PERIOD_US).status == Status.stopped
 
 
+def test_a_stop_and_a_run_between_two_frames_leave_nothing_to_drive_on():
+    heart, last = tracking_coordinator()
+    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=False))
+    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=True))
+    seen_utime = FRAMES[-1].utime
+    assert heart.command_at(seen_utime + 1).command == STILL
+    next_frame = at(FRAMES[-1], seen_utime + PERIOD_US)
+    again = step(heart, next_frame).command
+    # From rest the acceleration limit alone decides, as for one that has just begun; it does not depend on the last mm.
+    assert again.linear_mps == pytest.approx(step(fresh(), next_frame).command.linear_mps, rel=1e-9)
+    assert again.linear_mps < 0.5 * last.command.linear_mps
+
+
 @pytest.mark.parametrize("change", [{"distance_m": math.nan}, {"distance_m": -1.0}, {"bearing_rad": math.inf}])
 def test_a_setpoint_out_of_range_is_refused_and_the_old_one_stays(change):
     heart = fresh()
@@ -174,6 +187,17 @@ def test_a_longer_life_of_measurements_needs_a_speed_that_keeps_the_blind_travel
             coordinator.Coordinator(config_with(max_age_s, forward_mps, reverse_mps))
     with pytest.raises(ValueError, match=r"safety\.max_age_s: 0\.26 is outside \[0, 0\.25\]"):
         coordinator.Coordinator(config_with(0.26, 0.1))
+
+
+def test_who_is_refused_for_blind_travel_is_told_what_would_do():
+    """0.2 s at 0.31 m/s is 0.062 m; 0.06 m in 0.2 s are 0.3 m/s. The faster of the two directions counts."""
+    for forward_mps, reverse_mps in [(0.31, 0.1), (0.1, 0.31)]:
+        with pytest.raises(ValueError, match="blind travel") as refused:
+            coordinator.Coordinator(config_with(0.2, forward_mps, reverse_mps))
+        assert str(refused.value).endswith(
+            "0.2 s at 0.31 m/s is 0.062 m of blind travel, more than 0.06 m; "
+            "lower control.limits.max_linear_mps and max_reverse_mps to 0.3, or max_age_s to 0.1"
+        )
 
 
 def test_a_setpoint_below_the_stop_distance_is_refused_at_load_and_later():

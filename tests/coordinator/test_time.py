@@ -131,6 +131,14 @@ def test_wild_stamps_between_all_good_frames_do_not_end_the_epoch():
         assert robot.frame(last + k * PERIOD_US, after_us=PERIOD_US - 10_000).status == Status.tracking
 
 
+def test_a_frame_a_little_ahead_of_time_is_believed_even_if_the_one_before_it_was_too_far_ahead():
+    """50 ms ahead are no fault; that the two agree with each other to 20 ms says nothing against the second."""
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last + PERIOD_US + 60_000).reason == Reason.frame_time_implausible
+    assert robot.frame(last + 2 * PERIOD_US + 40_000).status == Status.tracking
+
+
 @pytest.mark.fault("stamps_wrong_unit")
 def test_stamps_in_milliseconds_are_refused_as_soon_as_they_cannot_be_true():
     robot = Robot()
@@ -177,6 +185,20 @@ def test_a_frame_known_to_be_old_or_of_the_future_moves_nothing():
     ]:
         result = Robot().frame(1_000_000, known_age_us=known_age_us)
         assert (result.status, result.reason, result.command) == (Status.invalid_input, reason, STILL)
+
+
+def test_a_frame_of_the_future_by_a_clock_that_both_sides_share_is_refused_in_the_middle_of_an_epoch_too():
+    """Its stamp fits those before it; but exposed 50.001 ms after it arrived, it is a lie, and one that never ends an
+    epoch, however long it lasts."""
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last + PERIOD_US, known_age_us=-50_000).status == Status.tracking
+    for k in range(2, 60):
+        result = robot.frame(last + k * PERIOD_US, known_age_us=-50_001)
+        assert result.reason == Reason.frame_time_implausible
+        assert (result.command == STILL) == (k > 4)  # three periods are 99 999 us: till then the last one holds
+    assert robot.heart.clock_epochs == 0
+    assert robot.frame(last + 60 * PERIOD_US, known_age_us=0).status == Status.tracking
 
 
 @pytest.mark.fault("forged_first_image")

@@ -84,6 +84,15 @@ def test_the_stop_distance_itself_may_be_kept():
     assert decide(gate(), Setpoint(distance_m=STOP_DISTANCE_M))[0] == SetpointVerdict.accepted
 
 
+@pytest.mark.parametrize(
+    "change", [{"distance_m": 0.05}, {"distance_m": 20.0}, {"bearing_rad": -math.pi}, {"bearing_rad": math.pi}]
+)
+def test_the_bounds_themselves_may_be_asked_for(change):
+    """Of Setpoint::parameters(): 0.05 to 20 m, -pi to pi. A gate whose stop distance is below them adds nothing."""
+    the_gate = SetpointGate(session=SESSION, stop_distance_m=0.0)
+    assert decide(the_gate, Setpoint(**change))[0] == SetpointVerdict.accepted
+
+
 SETPOINTS = st.builds(
     Setpoint,
     distance_m=st.floats(allow_nan=True) | st.floats(0.0, 3.0),
