@@ -9,8 +9,9 @@
 namespace pilotfish::apps {
 namespace {
 
-/// The zero at the deadline leaves so much before it: waking up and the way over the bus take time, and the rule counts
-/// at the wheels.
+/// A command holds for so much after it left: waking up and the way over the bus take time, and the rule counts at the
+/// wheels. So the zero at the deadline leaves so much before it, and whatever is asked in that time is answered zero,
+/// too: what was told to stand still must not be told to move once more by a frame that is no measurement.
 constexpr std::int64_t kSendAhead_us = 6'000;
 /// Wheels stop by themselves 100 ms after the last command: also of a slow camera they hear more often than that.
 constexpr std::int64_t kLongestSilence_us = 50'000;
@@ -79,16 +80,18 @@ HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& he
     held_.from = now;
     held_.until = later(now, moves ? static_cast<std::int64_t>(config_.max_age_s * 1e6) : -1);
   }
-  deadline_served_ = !held_.fresh_at(now);
-  const HeldAnswer holds = holds_at(now, result.reason);
+  const MonotonicTime heard = later(now, kSendAhead_us);
+  deadline_served_ = !held_.fresh_at(heard);
+  const HeldAnswer holds = holds_at(heard, result.reason);
   const bool overruled = holds.reason == Reason::another_coordinator || holds.status == Status::stopped;
   if (overruled) {
     answer = holds;
-  } else if (!(answer.command == Twist{}) && !held_.fresh_at(now)) {
-    answer = held_.at(now, Reason::frame_stale);  // looking took too long
+  } else if (!(answer.command == Twist{}) && !held_.fresh_at(heard)) {
+    // Looking took too long, or a frame that measured nothing came in the last moment of the one before.
+    answer = held_.at(heard, result.status == Status::tracking ? Reason::frame_stale : result.reason);
   }
   last_answer_ = answer;
-  send(answer, image_utime, now, now, answer.reason);
+  send(answer, image_utime, now, heard, answer.reason);
   next_beat_ = later(now, patience_us_);
   changed_.notify_one();  // what is due next may be due earlier than what the thread waits for
   return answer;
@@ -98,9 +101,10 @@ void CommandSender::answer_again(std::int64_t image_utime) {
   const std::lock_guard lock(mutex_);
   if (finished_) return;
   const MonotonicTime now = monotonic_now();
-  HeldAnswer holds = holds_at(now, last_answer_.reason);
+  const MonotonicTime heard = later(now, kSendAhead_us);
+  HeldAnswer holds = holds_at(heard, last_answer_.reason);
   if (holds.command == last_answer_.command && holds.status != Status::stopped) holds = last_answer_;
-  send(holds, image_utime, now, now, holds.reason);
+  send(holds, image_utime, now, heard, holds.reason);
 }
 
 void CommandSender::told(const HeldCommand& held, std::int64_t stops) {

@@ -103,6 +103,21 @@ def test_an_answer_that_took_longer_than_the_measurement_lives_is_a_zero():
     assert only(happened, "answer") == [["0", str(int(Status.invalid_input)), str(int(Reason.frame_stale))]]
 
 
+@pytest.mark.parametrize(
+    ("status", "reason", "said_why"),
+    [
+        (Status.tracking, Reason.none, Reason.frame_stale),  # looking took nearly all of its life
+        (Status.invalid_input, Reason.frame_time_not_advancing, Reason.frame_time_not_advancing),
+        (Status.coasting, Reason.no_tag_found, Reason.no_tag_found),
+    ],
+)
+def test_what_dies_before_it_is_heard_is_not_sent_again_by_a_frame_in_its_last_6_ms(status, reason, said_why):
+    """The zero at the deadline has left already, 6 ms before it; what follows it must not move the robot once more."""
+    first, *others = after_answer(SENDER, answer(55, 0.5, AHEAD_US - 1000, status, reason), "wait 2")
+    assert (first.linear_mps, first.reason) == (0.0, said_why)
+    assert {one.linear_mps for one in others} == {0.0}
+
+
 def test_an_answer_that_measured_nothing_says_why_and_a_zero_is_no_stale_command():
     first, *_ = after_answer(SENDER, answer(55, 0.0, -1, status=Status.lost, reason=Reason.no_tag_found, holding=False))
     assert said(first) == (0.0, Status.lost, Reason.no_tag_found)
