@@ -127,7 +127,7 @@ struct Player {
   void counts() {
     const SenderCounts counts = sender->counts();
     const auto& late = counts.lateness.counts();
-    print("counts", counts.sent, counts.missed_deadlines, counts.rivals_heard,
+    print("counts", sender->sent(), counts.missed_deadlines, counts.rivals_heard,
           std::accumulate(late.begin(), late.end(), 0), sender->stops_heard(), sender->beats() > 0);
   }
 
