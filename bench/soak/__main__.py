@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import signal
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
@@ -55,6 +56,7 @@ def main(
     """
     if wrong := set(fault or ()) - set(FAULTS):
         raise typer.BadParameter(f"{', '.join(sorted(wrong))}: there is {', '.join(FAULTS)}")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # hours are long: whoever ends this ends its robot, too
     kinds = [kind for kind in FAULTS if kind in (fault or FAULTS)]
     out.mkdir(parents=True, exist_ok=True)
     shown = pictures.render(rate_hz)

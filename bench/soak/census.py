@@ -36,18 +36,17 @@ class Census:
 
     def growth(self) -> Growth | None:
         """None if it ended before the memory had settled and some minutes had passed after that."""
-        minutes = self.minutes()
-        after = minutes.at_s >= SETTLED_S
-        if np.count_nonzero(after) < 3:
+        at_s, rss_mb = np.array(self.at_s), np.array(self.rss_kb) / 1024.0
+        if len(at_s) == 0 or at_s[-1] < SETTLED_S + 3 * MINUTE_S:
             return None
-        at_s, low_mb, high_mb = minutes.at_s[after], minutes.low_mb[after], minutes.high_mb[after]
-        last = at_s > at_s[-1] - HOUR_S
-        first = at_s < at_s[0] + HOUR_S
+        at_s, rss_mb = at_s[at_s >= SETTLED_S], rss_mb[at_s >= SETTLED_S]
+        first, last = rss_mb[at_s < at_s[0] + HOUR_S], rss_mb[at_s > at_s[-1] - HOUR_S]
         return Growth(
-            fitted_mb=float(np.polyfit(at_s, low_mb, 1)[0] * (at_s[-1] - at_s[0])),
-            floor_mb=float(low_mb[last].max() - low_mb[0]),
-            peak_mb=float(high_mb[last].max() - high_mb[first].max()),
-            peak_above_floor_mb=float(high_mb[last].max() - low_mb[0]),
+            fitted_mb=float(np.polyfit(at_s, rss_mb, 1)[0] * (at_s[-1] - at_s[0])),
+            lowest_mb=float(last.min() - first.min()),
+            median_mb=float(np.median(last) - np.median(first)),
+            high_mb=float(np.quantile(last, 0.95) - np.quantile(first, 0.95)),
+            highest_mb=float(last.max() - rss_mb[0]),
         )
 
 
@@ -63,9 +62,11 @@ class Minutes:
 
 @dataclass(frozen=True)
 class Growth:
-    """Of the resident memory, from the eleventh minute on."""
+    """Of the resident memory, from the eleventh minute on. What is held for a while makes single samples differ by
+    some MB, so the last hour is compared with the first one."""
 
-    fitted_mb: float  # of the straight line of least squares through the minutes' lowest samples
-    floor_mb: float  # the last hour's highest of the minutes' lowest samples, above that of the eleventh minute
-    peak_mb: float  # the last hour's highest sample, above the highest of the first hour
-    peak_above_floor_mb: float  # the same, above the eleventh minute's lowest: what is held for a while
+    fitted_mb: float  # of the straight line of least squares through all samples, from the first to the last of them
+    lowest_mb: float  # the lowest sample of the last hour, above that of the first
+    median_mb: float
+    high_mb: float  # the same of the samples' 95th percentiles
+    highest_mb: float  # the highest sample of the last hour above the very first one: growth and swing together

@@ -69,7 +69,7 @@ def backward(robot: Robot, rng: random.Random, duration_s: float) -> None:
 
 
 def repeated(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    end_s, stamp = robot.now_s + duration_s, robot.now_us()
+    end_s, stamp = robot.now_s + duration_s, robot.last_stamp
     while robot.now_s < end_s:
         robot.show(robot.pictures.good[robot.frames % len(robot.pictures.good)], utime=stamp)
 

@@ -54,14 +54,13 @@ def _of_process(name: str, census: Census) -> Iterable[Goal]:
         yield Goal(f"{name}: memory after 10 min", memory, "too short to tell", None)
     else:
         for words, grown_mb in (
-            ("last hour's floor above that at 10 min", growth.floor_mb),
-            ("line through the floor since 10 min", growth.fitted_mb),
-            ("last hour's peak above the first hour's", growth.peak_mb),
+            ("fitted line since 10 min", growth.fitted_mb),
+            ("last hour's lowest above the first's", growth.lowest_mb),
+            ("last hour's median above the first's", growth.median_mb),
+            ("last hour's p95 above the first's", growth.high_mb),
         ):
             yield Goal(f"{name}: memory, {words}", memory, f"{grown_mb:+.2f} MB", grown_mb < GROWTH_MB)
-        yield Goal(
-            f"{name}: memory, last hour's peak above the floor", "-", f"{growth.peak_above_floor_mb:+.2f} MB", None
-        )
+        yield Goal(f"{name}: memory, last hour's maximum above 10 min", "-", f"{growth.highest_mb:+.2f} MB", None)
     for what, values in (("descriptors", census.descriptors), ("threads", census.threads)):
         few, many = min(values), max(values)
         yield Goal(f"{name}: {what}", "constant", str(few) if few == many else f"{few} to {many}", few == many)

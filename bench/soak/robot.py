@@ -58,7 +58,8 @@ class Robot:
         self.refused: dict[str, dict[str, int]] = {}  # what each process has counted
         self._answered, self._awaited = False, 0
         self._shown_at_s: dict[int, float] = {}
-        self._last_stamp, self._last_good = 0, pictures.good[0]
+        self.last_stamp = 0
+        self._last_good = pictures.good[0]
         self._by_the_wall = False
         self._next_wall_s = self._last_wall_s = time.monotonic()
 
@@ -92,9 +93,9 @@ class Robot:
     def __exit__(self, *_: object) -> None:
         self._children.close()
 
-    def now_us(self) -> int:
+    def now_us(self, later_s: float = 0.0) -> int:
         """By the camera's clock."""
-        return self.clock_us + round(self.now_s * 1e6)
+        return self.clock_us + round((self.now_s + later_s) * 1e6)
 
     def show_good(self) -> None:
         """The next picture of the leader, with the right stamp."""
@@ -107,9 +108,8 @@ class Robot:
 
     def show(self, message: Message, *, good: bool = False, utime: int | None = None, answered: bool = True) -> None:
         """A picture a period after the last one."""
-        next_us = self.now_us() + round(self.period_s * 1e6)
-        stamp = next_us if utime is None else utime
-        believable = answered and 0 < stamp - self._last_stamp <= LEAP_US
+        stamp = self.now_us(self.period_s) if utime is None else utime
+        believable = answered and 0 < stamp - self.last_stamp <= LEAP_US
         self._pass(self.period_s, by_the_wall=self.paced or not believable)
         if good:
             self.last_good_s = self.now_s
@@ -118,7 +118,7 @@ class Robot:
 
     def send(self, message: Message, stamp: int, *, answered: bool = True) -> None:
         """Now; and waits for the answer, if there is to be one."""
-        self._last_stamp = stamp
+        self.last_stamp = stamp
         self._shown_at_s[stamp] = self.now_s
         while len(self._shown_at_s) > _REMEMBERED:
             del self._shown_at_s[next(iter(self._shown_at_s))]

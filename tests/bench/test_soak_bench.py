@@ -89,9 +89,9 @@ def memory_goals(census):
 
 def test_a_leak_misses_the_goal_and_what_is_held_for_a_while_does_not():
     # 3 MB for half of every minute, from the first hour to the last; and what was taken in the first ten minutes.
-    assert memory_goals(day_of(lambda t: 100 + 3 * (t % 60 >= 30) + min(t, 600) / 100)) == [True, True, True]
-    # 1.5 MB a day above that: 1.5 x (86390 - 600) / 86400 = 1.49 MB from 10 min on.
-    assert memory_goals(day_of(lambda t: 100 + 3 * (t % 60 >= 30) + 1.5 * t / 86400)) == [False, False, False]
+    assert memory_goals(day_of(lambda t: 100 + 3 * (t % 60 >= 30) + min(t, 600) / 100)) == [True] * 4
+    # 1.5 MB a day above that: from the first hour to the last it is 23 - 1/6 hours, 1.5 x 22.83 / 24 = 1.43 MB.
+    assert memory_goals(day_of(lambda t: 100 + 3 * (t % 60 >= 30) + 1.5 * t / 86400)) == [False] * 4
 
 
 @pytest.mark.parametrize(("recovery_s", "met"), [(1.0, True), (13 / 12, False)])
