@@ -114,7 +114,7 @@ def _goal_table(found: Soak) -> Table:
     title = f"{found.robot_s / _HOUR_S:.2f} h of robot time at {found.rate_hz:g} Hz, {len(found.played)} faults"
     caption = (
         f"{found.frames} pictures, {times:.0f} times faster than real time; {found.resent} were sent again, and "
-        f"{found.stumbles} good ones long after a fault had no answer that moves.\n"
+        f"{len(found.stumbles)} good ones behind a recovery had no answer that moves.\n"
         f"{sum(played.disturbed for played in found.played)} faults not counted: this script did not run meanwhile"
     )
     table = Table(title=title, caption=caption, title_justify="left", caption_justify="left")

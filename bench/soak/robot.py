@@ -54,6 +54,7 @@ class Robot:
         self.session = self.base_session = 0
         self.status, self.tracking, self.moving = Status.searching, False, False
         self.base_driving = self.base_stopped = False
+        self.said = ""  # the last command's status and reason
         self.stood = False  # a zero was heard since somebody set this to false
         self.refused: dict[str, dict[str, int]] = {}  # what each process has counted
         self._answered, self._awaited = False, 0
@@ -173,6 +174,7 @@ class Robot:
             return
         self.commands += 1
         self.status = report.status
+        self.said = f"{report.status.name}, {report.reason.name}"
         self.moving = report.command.linear_mps != 0.0 or report.command.angular_radps != 0.0
         self.stood = self.stood or not self.moving
         self.tracking = self.moving and report.status == Status.tracking

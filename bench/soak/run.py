@@ -40,7 +40,7 @@ class Soak:
     commands: int = 0
     resent: int = 0
     played: list[Played] = field(default_factory=list)
-    stumbles: int = 0  # good pictures, long after any fault, that did not move the robot
+    stumbles: list[str] = field(default_factory=list)  # good pictures behind a recovery that did not move the robot
     violations: list[str] = field(default_factory=list)
     census: dict[str, Census] = field(default_factory=dict)
     refused: dict[str, dict[str, int]] = field(default_factory=dict)
@@ -64,7 +64,8 @@ def soak(robot: Robot, duration_s: float, seed: int, kinds: list[str], progress:
         found.played.append(play(robot, cards.pop(), rng))
         while robot.now_s < next_s:
             robot.show_good()
-            found.stumbles += not robot.tracking
+            if not robot.tracking:
+                found.stumbles.append(f"{robot.now_s:.3f} s, after {found.played[-1].kind}: {robot.said}")
         found.robot_s, found.wall_s = robot.now_s, time.monotonic() - begin_s
         found.frames, found.commands, found.resent = robot.frames, robot.commands, robot.resent
         progress(found)
