@@ -1,0 +1,41 @@
+"""What the base process can be told by its configuration: each parameter has bounds, and they belong to it."""
+
+import math
+
+import pytest
+
+from pilotfish import base
+
+BOUNDS = {
+    "rate_hz": (20.0, 200.0),
+    "commands.max_command_age_s": (0.02, 0.1),  # the rule: never more than 100 ms
+    "commands.takeover_s": (0.2, 60.0),
+    "serial.timeout_s": (0.05, 5.0),
+    "wheels.wheel_radius_m": (0.005, 1.0),
+    "wheels.track_width_m": (0.02, 5.0),
+    "limits.max_linear_mps": (0.01, 5.0),
+    "limits.max_reverse_mps": (0.0, 5.0),
+    "limits.max_linear_acceleration_mps2": (0.01, 20.0),
+    "limits.brake_mps2": (0.01, 100.0),
+    "limits.max_angular_radps": (0.01, 20.0),
+    "limits.max_angular_acceleration_radps2": (0.01, 200.0),
+    "limits.max_wheel_radps": (0.1, 1000.0),
+}
+
+
+def base_with(path, value):
+    config = base.BaseConfig()
+    *rooms, name = path.split(".")
+    where = getattr(config, rooms[0]) if rooms else config
+    setattr(where, name, value)
+    return base.Base(config, session=1, simulated_allowed=False)
+
+
+@pytest.mark.parametrize(("path", "bounds"), BOUNDS.items(), ids=BOUNDS)
+def test_the_bounds_are_taken_and_what_lies_beyond_them_is_refused_by_name(path, bounds):
+    low, high = bounds
+    base_with(path, low)
+    base_with(path, high)
+    for beyond in (math.nextafter(low, -math.inf), math.nextafter(high, math.inf), math.nan):
+        with pytest.raises(ValueError, match=path.replace(".", r"\.")):
+            base_with(path, beyond)
