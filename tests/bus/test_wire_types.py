@@ -34,7 +34,7 @@ FINGERPRINTS = {
     types.measured_tag_t: "90538cba87c4df6d",
     types.measurement_t: "ba0247f2265b99f3",
     types.sent_t: "2f14673366e8751d",
-    types.step_t: "42555625b48bdc3b",
+    types.step_t: "da4fb369b746ea8f",
 }
 
 
