@@ -102,6 +102,46 @@ def test_a_slow_first_frame_does_not_make_later_slow_ones_look_fresh():
     assert any(result.status == Status.tracking for delay_us, result in results[20:] if delay_us < 100_000)
 
 
+def frames_that_took(robot, arrivals):
+    """What a robot says of frames given as (arrival, how long it took from the exposure) in seconds."""
+    results = []
+    for arrival_s, took_s in arrivals:
+        robot.now_us = BOOT_US + round(arrival_s * 1e6)
+        results.append(robot.frame(1_000_000 + round((arrival_s - took_s) * 1e6), after_us=0))
+    return results
+
+
+def test_now_and_then_a_quick_frame_proves_nothing():
+    """300 ms for each but one in 0.6 s, which takes none: of those there are never three within a second."""
+    robot = Robot()
+    arrivals = [(k / 30, 0.0 if k % 18 == 9 else 0.3) for k in range(300)]
+    results = frames_that_took(robot, arrivals)
+    quick = [result for (_, took_s), result in zip(arrivals, results, strict=True) if took_s == 0.0]
+    assert len(quick) == 17 and {result.reason for result in quick} == {Reason.frame_time_implausible}
+    assert robot.heart.clock_epochs == 0
+
+
+@pytest.mark.parametrize(("seconds_later", "epochs"), [(8.0, 1), (11.0, 2)])
+def test_a_second_proof_that_the_first_frame_was_late_counts_after_ten_seconds(seconds_later, epochs):
+    """First all take 400 ms, then 200: three of them are a proof. Some seconds later 0 ms, in a burst of three."""
+    robot = Robot()
+    second_s = 1.0 + seconds_later
+    frames_that_took(robot, [(k / 30, 0.4) for k in range(30)])
+    frames_that_took(robot, [(1.0 + k / 30, 0.2) for k in range(round(30 * seconds_later))])
+    assert robot.heart.clock_epochs == 1
+    frames_that_took(robot, [(second_s + k / 30, 0.0) for k in range(3)])
+    assert robot.heart.clock_epochs == epochs
+
+
+@pytest.mark.parametrize(("gap_s", "epochs"), [(0.9, 1), (1.1, 0)])
+def test_frames_more_than_a_second_apart_do_not_agree_on_a_new_clock(gap_s, epochs):
+    robot = Robot()
+    robot.drive()
+    for k in range(20):
+        robot.frame(-3_600_000_000 + round(k * gap_s * 1e6), after_us=round(gap_s * 1e6))
+    assert robot.heart.clock_epochs == epochs
+
+
 def test_a_clock_that_is_set_back_by_less_than_a_frame_is_no_epoch():
     robot = Robot()
     last = robot.drive()
