@@ -34,6 +34,7 @@ void catch_stop_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_flag = 1; };
   for (int signal : kStopSignals) sigaction(signal, &action, nullptr);
+  for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 }
 

@@ -13,10 +13,12 @@ namespace {
 
 constexpr int kHandle_ms = 50;
 
-/// Stamps closer than this to our wall clock are taken for a wall clock's, which then says how old they are; how much
-/// of that is believed when, FrameTimeline decides. Farther away they are of a clock of their own, of which only the
-/// order says something. For each frame anew: what one frame says must not vouch for another.
-constexpr double kWallClock_us = 86'400e6;
+/// Stamps from this date on (the year 2000) are taken for a wall clock's, which then says how old they are: a recording
+/// of any age must not pass for a camera. So are those of the next day. Others are of a clock of their own, of which
+/// only the order says something, or of a camera computer whose clock was never set. How much of an age is believed
+/// when, FrameTimeline decides. For each frame anew: what one frame says must not vouch for another.
+constexpr std::int64_t kFirstDate_utime = 946'684'800'000'000;
+constexpr double kNextDay_us = 86'400e6;
 /// The same for the monotonic clocks, which a program on this host may stamp with. No wall clock is that near to them.
 constexpr double kMonotonicClock_us = 10e6;
 
@@ -28,7 +30,7 @@ std::int64_t known_age_us(std::int64_t utime, MonotonicTime arrival) {
   for (const std::int64_t clock_us : {unsuspended_now_us(), now_us})
     if (std::abs(age_us(clock_us)) < kMonotonicClock_us) return static_cast<std::int64_t>(age_us(clock_us));
   const double wall_us = age_us(wall_utime());
-  return std::abs(wall_us) < kWallClock_us ? static_cast<std::int64_t>(wall_us) : 0;
+  return utime >= kFirstDate_utime && wall_us > -kNextDay_us ? static_cast<std::int64_t>(wall_us) : 0;
 }
 
 }  // namespace

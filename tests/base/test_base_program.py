@@ -255,7 +255,9 @@ def test_an_unplugged_line_is_a_fault_and_is_opened_again(tmp_path, url):
             commander.drive_until(moving(second), "driving again")
 
 
-@pytest.mark.parametrize("how", ["SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2"])
+@pytest.mark.parametrize(
+    "how", ["SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2", "SIGRTMIN", "SIGRTMAX"]
+)
 def test_a_signal_ends_it_with_0_and_zeros(robot, commander, controller, how):
     driven(commander, controller)
     robot.process.send_signal(getattr(signal, how))

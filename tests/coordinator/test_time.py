@@ -142,6 +142,71 @@ def test_frames_more_than_a_second_apart_do_not_agree_on_a_new_clock(gap_s, epoc
     assert robot.heart.clock_epochs == epochs
 
 
+@pytest.mark.fault("second_source")
+@pytest.mark.parametrize("stale_hz", [10, 300])
+@pytest.mark.parametrize("silent_s", [0.95, 1.5, 3.0])
+def test_a_camera_on_this_hosts_clock_never_gives_way_to_pictures_of_which_nothing_is_known(stale_hz, silent_s):
+    """The camera stamps with our clock and takes 5 ms; it is silent for a while from 2 s on. Beside it, from 1 s on, a
+    source with stamps of its own shows what was long ago."""
+    robot = Robot()
+    camera = [(k / 30, True) for k in range(180) if not 2.0 <= k / 30 < 2.0 + silent_s]
+    stale = [(1.0 + k / stale_hz + 1e-4, False) for k in range(5 * stale_hz)]
+    answered = []
+    for at_s, live in sorted(camera + stale):
+        robot.now_us = BOOT_US + round(at_s * 1e6)
+        utime = 1_600_000_000_000_000 if live else 7_000_000
+        utime += round(at_s * 1e6)
+        answered.append((at_s, live, robot.frame(utime, after_us=0, known_age_us=5_000 if live else 0)))
+    assert not any(result.status == Status.tracking for _, live, result in answered if not live)
+    assert all(result.status == Status.tracking for _, live, result in answered if live)
+    assert robot.heart.clock_epochs == 0
+
+
+def test_a_camera_on_this_hosts_clock_ends_an_epoch_of_which_nothing_is_known_with_its_third_picture():
+    robot = Robot()
+    for k in range(60):
+        robot.frame(7_000_000 + k * PERIOD_US)
+    last = 7_000_000 + 59 * PERIOD_US
+    live = []
+    for k in range(1, 30):  # both, one after the other
+        live.append(robot.frame(1_600_000_000_000_000 + k * PERIOD_US, after_us=PERIOD_US // 2, known_age_us=5_000))
+        other = robot.frame(last + k * PERIOD_US, after_us=PERIOD_US - PERIOD_US // 2)
+        assert (other.status == Status.tracking) == (k < 3)
+    assert [result.status for result in live[:2]] == [Status.invalid_input] * 2
+    assert {result.status for result in live[2:]} == {Status.tracking}
+    assert robot.heart.clock_epochs == 1
+
+
+@pytest.mark.fault("odd_stamp")
+@pytest.mark.parametrize("odd_us", [-1_000, -5_000, -30_000, 400_000])
+@pytest.mark.parametrize("late_s", [0.15, 0.5, 3.0])
+def test_one_odd_stamp_does_not_make_a_late_source_a_quick_one(late_s, odd_us):
+    """A clock of its own; from 2 s on everything is late, and is refused; at 4 s one stamp is odd, and no other."""
+    robot = Robot()
+    frames_that_took(robot, [(k / 30, 0.005) for k in range(60)])
+    late = [(2.0 + late_s + k / 30, 0.005 + late_s) for k in range(60)]
+    results = frames_that_took(robot, late)
+    # 1 ms behind the last one, which was exposed 5 ms and its lateness before it came.
+    frames_that_took(robot, [(late[-1][0] + 0.001, 0.006 + late_s - odd_us * 1e-6)])
+    results += frames_that_took(robot, [(4.0 + late_s + k / 30, 0.005 + late_s) for k in range(120)])
+    assert not any(result.status == Status.tracking for result in results)
+    assert robot.heart.clock_epochs == 0
+
+
+def test_an_odd_stamp_in_a_queue_that_grows_does_not_forget_how_late_it_is():
+    """100 ms later every second, up to 400; one stamp 40 ms back when it is 300 late."""
+    robot = Robot()
+    frames_that_took(robot, [(k / 30, 0.005) for k in range(60)])
+    results = []
+    for k in range(240):
+        took_s = 0.005 + min(0.1 * k / 30, 0.4)
+        results.append((took_s, frames_that_took(robot, [(2.0 + k / 30 + took_s, took_s)])[0]))
+        if k == 90:
+            frames_that_took(robot, [(2.0 + k / 30 + took_s + 0.001, took_s + 0.041)])
+    assert not any(result.status == Status.tracking for took_s, result in results if took_s > 0.125)
+    assert robot.heart.clock_epochs == 0
+
+
 def test_a_clock_that_is_set_back_by_less_than_a_frame_is_no_epoch():
     robot = Robot()
     last = robot.drive()

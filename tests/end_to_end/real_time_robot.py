@@ -13,6 +13,7 @@ from pilotfish.lcmtypes.pilotfish.status_t import status_t
 from scenes import PERIOD_US, leader_pictures
 
 PICTURES = leader_pictures(60)
+OWN_CLOCK_US = 3 * 10**12  # a month beside this host's monotonic clock, and no date: nothing is known of it
 GRAY = np.full((480, 640), 128, np.uint8)
 PERIOD_S = PERIOD_US * 1e-6
 PATIENCE_S = 0.4  # four times the age limit: what still moves then moves blindly, on however slow a machine
@@ -33,7 +34,7 @@ class Robot(Onboard):
     def __init__(self, folder, *options, **keywords):
         super().__init__(folder, *options, simulated=False, **keywords)
         self.sent = 0
-        self.clock_shift_us = 0
+        self.clock_shift_us = OWN_CLOCK_US
         self.next_s = None
 
     def now_us(self):

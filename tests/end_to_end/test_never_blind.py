@@ -10,6 +10,7 @@ import fcntl
 import os
 import signal
 import subprocess
+import time
 
 import pytest
 from real_time_robot import PERIOD_US, PICTURES, Robot, moves, noisy_gray
@@ -34,6 +35,33 @@ def test_stamps_that_run_backward_on_gray_pictures_move_nothing(tmp_path):
             robot.show(noisy_gray(k), utime - k * PERIOD_US)
         assert len(robot.commands) - first > 30
         assert not any(moves(c) for c in robot.commands[first:])
+
+
+@pytest.mark.fault("recorded_pictures")
+@pytest.mark.parametrize("days", [0.04, 2, 40])
+def test_a_recording_of_any_age_drives_nobody(tmp_path, days):
+    """As lcm-logplayer sends it: its pictures have the dates of their exposure."""
+    with Robot(tmp_path) as robot:
+        old_us = time.time_ns() // 1000 - round(days * 86_400e6) - robot.now_us()
+        robot.clock_shift_us += old_us
+        for k in range(45):
+            robot.show(PICTURES[k].image)
+        assert len(robot.commands) > 30
+        assert not any(moves(c) for c in robot.commands)
+
+
+@pytest.mark.fault("second_source")
+def test_a_camera_on_this_hosts_clock_is_not_replaced_while_it_is_silent(tmp_path):
+    with Robot(tmp_path) as robot:
+        robot.clock_shift_us = 0
+        robot.follow()
+        own_us = robot.now_us()
+        for k in range(60):  # two seconds of pictures of which nothing is known
+            robot.show(PICTURES[k % 60].image, 7_000_000 + robot.now_us() - own_us)
+        assert not any(moves(c) for c in robot.commands[-40:])
+        first = len(robot.commands)
+        robot.show_leader(5)
+        assert any(moves(c) for c in robot.commands[first:])
 
 
 @pytest.mark.fault("wild_stamp")

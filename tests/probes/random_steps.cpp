@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <deque>
 #include <iterator>
+#include <optional>
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
@@ -95,7 +96,10 @@ vision::Sight sight(probes::RandomNumbers& random, std::int64_t utime) {
 
 int main(int argc, char** argv) {
   if (argc != 4) return 64;
-  Coordinator coordinator(config::load_coordinator(argv[1]).coordinator);
+  const CoordinatorConfig config = config::load_coordinator(argv[1]).coordinator;
+  std::optional<Coordinator> coordinator(config);
+  std::int64_t epochs = 0;
+  bool ages_known = true;
   const std::int64_t count = std::atoll(argv[2]);
   probes::RandomNumbers random(std::strtoull(argv[3], nullptr, 10));
   Stamps stamps(random.bits());
@@ -106,26 +110,33 @@ int main(int argc, char** argv) {
                                           33'333, 33'333, 99'999, 100'001, 1'000'000};
     const std::int64_t passed_us = kSteps_us[random.below(static_cast<int>(std::size(kSteps_us)))];
     now_us += passed_us;
+    if (random.below(5'000) == 0) {  // it starts anew: what it has learnt of the clocks holds for good
+      epochs += coordinator->clock_epochs();
+      coordinator.emplace(config);
+      book.run = config.setpoint.run;
+      book.arrived_us.clear();
+      ages_known = random.below(2) == 0;
+    }
     if (random.below(200) == 0) {
-      Setpoint setpoint = coordinator.setpoint();
+      Setpoint setpoint = coordinator->setpoint();
       setpoint.run = random.below(3) != 0;
-      if (coordinator.set_setpoint(setpoint)) book.run = setpoint.run;
+      if (coordinator->set_setpoint(setpoint)) book.run = setpoint.run;
     }
     const std::int64_t utime = stamps.next(passed_us);
     const std::int64_t known_age_us =
-        random.below(10) == 0 ? static_cast<std::int64_t>(random.bits()) >> random.below(64) : 0;
+        ages_known && random.below(10) == 0 ? static_cast<std::int64_t>(random.bits()) >> random.below(64) : 0;
     const vision::Sight seen = sight(random, utime);
     if (seen.observation) book.measured(now_us);
-    const StepResult result = coordinator.answer(utime, seen, {now_us}, known_age_us);
+    const StepResult result = coordinator->answer(utime, seen, {now_us}, known_age_us);
     if (result.status == Status::tracking) ++book.tracked;
     book.check(result.command, now_us);
     // What a sender would ask afterwards, at any time.
     const std::int64_t later_us = now_us + static_cast<std::int64_t>(random.below(250'000)) - 20'000;
-    book.check(coordinator.command_at({later_us}).command, later_us);
+    book.check(coordinator->command_at({later_us}).command, later_us);
   }
   std::printf("{\"steps\": %lld, \"moving\": %lld, \"tracked\": %lld, \"epochs\": %lld, \"violations\": %lld}\n",
               static_cast<long long>(book.steps), static_cast<long long>(book.moving),
-              static_cast<long long>(book.tracked), static_cast<long long>(coordinator.clock_epochs()),
+              static_cast<long long>(book.tracked), static_cast<long long>(epochs + coordinator->clock_epochs()),
               static_cast<long long>(book.violations));
   return book.violations == 0 ? 0 : 1;
 }

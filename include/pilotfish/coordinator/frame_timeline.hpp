@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -32,6 +34,13 @@ struct StampVerdict {
 /// beside the living source, from taking over in a gap. Frames that are merely late never end an epoch: that is a slow
 /// pipeline, and no clock.
 ///
+/// A frame whose t - s is that of one of the last frames continues the old numbering, whatever its stamp: then no clock
+/// was set, and what was late stays late. So one odd stamp in between does not begin the count.
+///
+/// A known age proves that the stamps are those of a clock of this host, and then it alone says how old a frame is. An
+/// epoch of such a clock never gives way to one of which nothing is known; kProofs frames of such a clock within a
+/// second end an epoch of which nothing is known, at once.
+///
 /// The anchor itself may have been late: then quicker frames look as if they were of the future. kQuickFrames of them
 /// within a second are the proof, and the next epoch is anchored on a quick one: all that follows is judged more
 /// strictly.
@@ -47,13 +56,16 @@ class FrameTimeline {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.last_, self.offset_us_, self.least_us_, self.run_, self.agreeing_, self.epochs_, self.quick_,
-            self.quick_since_, self.quick_epoch_at_);
+    archive(self.last_, self.numbering_, self.numbered_, self.offset_us_, self.least_us_, self.run_, self.agreeing_,
+            self.epochs_, self.quick_, self.quick_since_, self.quick_epoch_at_, self.proven_, self.proofs_,
+            self.proofs_since_);
   }
 
   static constexpr int kFramesToAgree = 5;
   static constexpr double kAhead_us = 50'000.0;
   static constexpr double kAgree_us = 25'000.0;
+  static constexpr std::size_t kNumbering = 4;  ///< frames of the old numbering that are remembered
+  static constexpr int kProofs = 3;
   static constexpr double kRunGap_us = 1'000'000.0;  ///< two frames of a run are not farther apart
   static constexpr double kSilence_us = 1'000'000.0;
   static constexpr int kQuickFrames = 3;
@@ -70,19 +82,28 @@ class FrameTimeline {
     MonotonicTime at;
   };
   bool agrees_with_run(std::int64_t utime, MonotonicTime now) const noexcept;
+  bool continues_numbering(std::int64_t utime, MonotonicTime now) const noexcept;
+  void remember_numbering(std::int64_t utime, MonotonicTime now) noexcept;
+  bool may_begin(std::int64_t known_age_us) const noexcept { return !proven_ || known_age_us != 0; }
+  bool is_proven(std::int64_t known_age_us, MonotonicTime now) noexcept;
   bool is_proved_quick(double offset_us, MonotonicTime now) noexcept;
   StampVerdict refuse(Reason reason, std::int64_t utime, MonotonicTime now) noexcept;
   StampVerdict begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
 
   std::int64_t max_age_us_;
   std::optional<Mark> last_;  ///< of this epoch
-  double offset_us_ = 0.0;    ///< x of the last
+  std::array<Mark, kNumbering> numbering_{};
+  std::uint64_t numbered_ = 0;  ///< frames of this epoch's numbering; the last kNumbering of them are in numbering_
+  double offset_us_ = 0.0;      ///< x of the last
   double least_us_ = 0.0;
   std::optional<Mark> run_;  ///< the last of those that do not fit
   int agreeing_ = 0;
   std::int64_t epochs_ = 0;
   int quick_ = 0;  ///< frames quicker than the anchor allows, since quick_since_
   std::optional<MonotonicTime> quick_since_, quick_epoch_at_;
+  bool proven_ = false;  ///< this epoch's stamps are those of a clock of this host
+  int proofs_ = 0;       ///< frames with a known age in an epoch of which nothing is known, since proofs_since_
+  std::optional<MonotonicTime> proofs_since_;
 };
 
 }  // namespace pilotfish

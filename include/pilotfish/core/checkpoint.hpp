@@ -44,7 +44,8 @@ class CheckpointReader {
   explicit CheckpointReader(const Bytes& bytes) : next_(bytes.data()), left_(bytes.size()) {}
   template <class... T>
   void operator()(T&... values);
-  void raw(void* data, std::size_t size) {
+  /// Not inlined: GCC 12 else takes the part of it that is never reached for a write behind an array's end.
+  [[gnu::noinline]] void raw(void* data, std::size_t size) {
     if (size > left_) return fail();
     std::memcpy(data, next_, size);
     next_ += size;
