@@ -15,7 +15,7 @@ constexpr const char* kExamples = R"(
 Examples
   pilotfish-sim --scenario data/scenarios/line.yaml --record line.csv
       as fast as the coordinators answer, the same run every time; in another terminal, before or after:
-      pilotfish-coordinator --config data/config/line.yaml
+      pilotfish-coordinator --config data/config/line.yaml --simulated-time
   pilotfish-sim --scenario data/scenarios/circle.yaml --realtime
       at the pace of the clock, to watch with pilotfish-spy or lcm-logger
   pilotfish-sim --scenario data/scenarios/star.yaml --lcm-url 'udpm://239.255.76.67:7700?ttl=0'

@@ -192,6 +192,17 @@ def test_copies_for_people_are_not_taken_for_what_was_seen(tmp_path):
     assert report.first_difference is None and report.sights == 0 and report.commands == 5
 
 
+def test_pixels_that_were_not_recorded_are_not_said_to_agree(tmp_path):
+    run = RecordedRun(tmp_path)
+    drive_at_random(run, 30, seed=4)
+    run.close()
+    result = CliRunner().invoke(app, ["replay", str(tmp_path), "--assert"])
+    assert result.exit_code == 0, result.output
+    result = CliRunner().invoke(app, ["replay", str(tmp_path), "--assert", "--from-pixels"])
+    assert result.exit_code == 1
+    assert "no picture could be looked at again" in " ".join(result.output.split())
+
+
 def test_a_frozen_camera_rests_the_law_in_the_replay_too(tmp_path):
     run = RecordedRun(tmp_path)
     frames = leader_pictures(8)

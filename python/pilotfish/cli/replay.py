@@ -52,7 +52,10 @@ def replay(
             if program != blackbox.program_description():
                 warn(f"recorded by '{program}', replayed by '{blackbox.program_description()}': bits may differ")
         _show_first(report)
-    if must_agree and (report.differences or not report.commands):
+        unseen = from_pixels and not report.sights
+        if unseen:
+            warn("no picture could be looked at again: only pictures that come as JPEG are recorded whole")
+    if must_agree and (report.differences or not report.commands or unseen):
         raise typer.Exit(1)
 
 
