@@ -5,6 +5,7 @@
 #include <memory>
 #include <sstream>
 
+#include "pilotfish/core/monotonic.hpp"
 #include "play.hpp"
 #include "stop_signal.hpp"
 
@@ -15,11 +16,6 @@ constexpr double kResendAfter_s = 0.05;
 
 double monotonic_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-std::int64_t wall_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
 }
 
 /// What is known of one coordinator, and what it has been told.
@@ -64,7 +60,7 @@ void send_where_due(ToldByRobot& robots, bus::Bus& bus, std::int64_t utime) {
   for (auto& [robot, told] : robots) {
     const double now_s = monotonic_s();
     if (told.session == 0 || told.shown || (told.counter != 0 && now_s - told.sent_s < kResendAfter_s)) continue;
-    told.counter = std::max({wall_us(), told.counter + 1, told.last_counter + 1});
+    told.counter = std::max({wall_utime(), told.counter + 1, told.last_counter + 1});
     if (told.first_counter == 0) told.first_counter = told.counter;
     told.sent_s = now_s;
     bus.publish(robot, bus::SetpointReport{utime, told.session, told.counter, told.setpoint});
