@@ -14,6 +14,7 @@
 #include "options.hpp"
 #include "pilotfish/bus/key.hpp"
 #include "pilotfish/config/base_file.hpp"
+#include "pilotfish/core/robot_name.hpp"
 #include "real_time.hpp"
 #include "serial_port.hpp"
 #include "service_notify.hpp"
@@ -32,9 +33,11 @@ int fail(int code, const std::string& problem) {
 
 config::BaseFile load(const BaseOptions& options) {
   config::BaseFile file = config::load_base(options.config_path);
-  if (options.name) file.name = *options.name;
+  if (options.name) {
+    check_robot_name(*options.name, "--name");
+    file.name = *options.name;
+  }
   if (options.driver) file.driver = config::driver_from(*options.driver);
-  bus::channel(file.name, "BASE");  // throws, before anything is opened, if that is no name
   return file;
 }
 

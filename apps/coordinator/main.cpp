@@ -33,6 +33,7 @@
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/robot_name.hpp"
 #include "real_time.hpp"
 #include "service_notify.hpp"
 #include "standard_streams.hpp"
@@ -46,7 +47,10 @@ config::ConfigOverrides overrides(const Options& options) { return {options.law,
 
 config::CoordinatorFile load(const Options& options) {
   config::CoordinatorFile file = config::load_coordinator(options.config_path);
-  if (options.name) file.name = *options.name;
+  if (options.name) {
+    check_robot_name(*options.name, "--name");
+    file.name = *options.name;
+  }
   if (options.source) file.source = *options.source;
   try {
     parse_source(file.source);

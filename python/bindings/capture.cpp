@@ -33,6 +33,9 @@ PYBIND11_MODULE(capture, m) {
         }
       });
 
+  py::list suffixes;
+  for (const std::string_view suffix : kPictureSuffixes) suffixes.append(std::string(suffix));
+  m.attr("PICTURE_SUFFIXES") = py::frozenset(suffixes);  // of the files that open_images() reads, in small letters
   m.def("open_images", &open_images,
         "A folder of pictures in natural order of their names, or in the order and at the times of its "
         "frames.csv.",

@@ -79,6 +79,19 @@ void bind_config(py::module_& m) {
         return config;
       },
       py::arg("path"), py::arg("control"), "The control configuration with what the file says instead.");
+  m.def(
+      "apply_overrides",
+      [](control::FollowerConfig config, std::optional<std::string> law, std::optional<std::string> profile,
+         const std::optional<std::filesystem::path>& tuning) {
+        ConfigOverrides overrides{std::move(law), std::move(profile), std::nullopt};
+        if (tuning) overrides.tuning = tuning->string();
+        config::apply(overrides, config);
+        return config;
+      },
+      py::arg("control"), py::kw_only(), py::arg("law") = py::none(), py::arg("profile") = py::none(),
+      py::arg("tuning") = py::none(),
+      "The control configuration with what the command line says instead (--law, --profile, --tuning). ValueError names "
+      "the key at fault, and refuses a tuning whose sections the law does not read.");
   m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
   m.def("load_leader_body", &config::load_leader_body, py::arg("path"));
   m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");

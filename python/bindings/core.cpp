@@ -80,6 +80,7 @@ PYBIND11_MODULE(core, m) {
       .def_readwrite("distance_m", &Setpoint::distance_m)
       .def_readwrite("bearing_rad", &Setpoint::bearing_rad)
       .def_readwrite("run", &Setpoint::run);
+  m.attr("MAX_BEARING_RAD") = kMaxBearing_rad;  // of a setpoint, to either side
   bind_session_guard(m);
 
   py::enum_<Status> status(m, "Status",

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -18,6 +17,7 @@
 
 #include "encode.hpp"
 #include "event_queue.hpp"
+#include "pilotfish/core/robot_name.hpp"
 #include "segment_ring.hpp"
 
 namespace pilotfish::blackbox {
@@ -34,16 +34,10 @@ constexpr milliseconds kLastWords{2000};
 constexpr std::int64_t kStartGap_us = 1'000'000;
 constexpr std::int64_t kMegabyte = 1'000'000;
 
-std::string in_capitals(std::string name) {
-  for (char& letter : name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  return name;
-}
-
-const std::string& checked_name(const std::string& name) {
-  const auto is_word_letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  if (name.empty() || name.size() > 32 || !std::all_of(name.begin(), name.end(), is_word_letter))
-    throw ConfigError("name", "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores");
-  return name;
+/// Of the robot's channels, ROBOT1_. Throws ConfigError if it has no name.
+std::string prefix_of(const std::string& robot) {
+  check_robot_name(robot, "name");
+  return channel_word(robot) + "_";
 }
 
 /// The caller may own the pixels and change them after this returns.
@@ -60,7 +54,7 @@ Frame kept(const Frame& frame) {
 struct BlackBox::Shared {
   Shared(const config::BlackBoxConfig& config, Start start_of_it)
       : start(std::move(start_of_it)),
-        channel_prefix(in_capitals(checked_name(start.robot)) + "_"),
+        channel_prefix(prefix_of(start.robot)),
         picture_gap_us(config.picture_rate_hz > 0.0 ? static_cast<std::int64_t>(1e6 / config.picture_rate_hz) : -1),
         queue(kQueueBytes),
         ring(config.directory, start.robot, wall_utime(),

@@ -13,6 +13,7 @@
 #include "image_codec.hpp"
 #include "liblcm_incoming.hpp"
 #include "multicast.hpp"
+#include "pilotfish/core/robot_name.hpp"
 #include "report_codec.hpp"
 #include "status_codec.hpp"
 #include "udpm_receiver.hpp"
@@ -42,10 +43,8 @@ struct Destroy {
 }  // namespace
 
 std::string channel(const std::string& robot, const std::string& what) {
-  check_channel_name(robot);
-  std::string name = robot;
-  for (char& letter : name) letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  name += "_" + what;
+  check_robot_name(robot, "name");
+  const std::string name = channel_word(robot) + "_" + what;
   check_channel_name(name);
   return name;
 }

@@ -16,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 9> kPictureSuffixes = {".png", ".jpg",  ".jpeg", ".pgm", ".ppm",
-                                                              ".bmp", ".tiff", ".tif",  ".webp"};
 constexpr const char* kListName = "frames.csv";
 constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;  // half a million pictures, five hours
 

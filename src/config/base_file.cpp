@@ -4,7 +4,7 @@
 
 #include "describe_tables.hpp"
 #include "pilotfish/config/yaml_section.hpp"
-#include "robot_name.hpp"
+#include "pilotfish/core/robot_name.hpp"
 
 namespace pilotfish::config {
 namespace {
@@ -35,7 +35,7 @@ BaseFile parse_base(const TextFile& text) {
   YamlSection root = YamlSection::parse(text);
   BaseFile file;
   file.name = root.text("name");
-  if (!is_name(file.name)) throw root.error("name", not_a_name(file.name));
+  check_robot_name(file.name, "name");
   if (root.optional("driver")) file.driver = driver_from(root.text("driver"));
   if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   root.read(file.base);

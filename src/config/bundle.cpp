@@ -40,6 +40,19 @@ YAML::Node parsed(const std::string& text, const std::string& name) {
   throw ConfigError("file", name + " is not a YAML mapping (key: value)");
 }
 
+/// A section of `control` that the law does not read would be tuned for nothing: most likely the file is another
+/// law's.
+void check_tuning_is_used(const YAML::Node& tuning, const control::FollowerConfig& config) {
+  for (const auto& entry : tuning) {
+    const std::string section = entry.first.as<std::string>();
+    if (control::uses_section(config, section)) continue;
+    const bool fuzzy = config.active_law == control::Law::fuzzy;
+    throw ConfigError(kTuningOption, "'" + section + "' has no effect on " + (fuzzy ? "profile " : "law ") +
+                                         std::string(fuzzy ? to_string(config.profile) : to_string(config.active_law)) +
+                                         "; choose the --law or --profile that the file is for, or another file");
+  }
+}
+
 /// A folder that is gone when this is.
 class TemporaryFolder {
  public:
@@ -73,12 +86,15 @@ std::string local_name(std::size_t index, const ConfigText& file) {
 
 }  // namespace
 
-void apply(const ConfigOverrides& overrides, CoordinatorFile& file) {
-  control::FollowerConfig& control = file.coordinator.control;
-  if (overrides.tuning) load_tuning(*overrides.tuning, control);
-  if (overrides.law) control.active_law = control::law_from(*overrides.law);
-  if (overrides.profile) control.profile = control::profile_from(*overrides.profile);
+void apply(const ConfigOverrides& overrides, control::FollowerConfig& config) {
+  if (overrides.law) config.active_law = control::law_from(*overrides.law);
+  if (overrides.profile) config.profile = control::profile_from(*overrides.profile);
+  if (!overrides.tuning) return;
+  load_tuning(*overrides.tuning, config);
+  check_tuning_is_used(parsed(read_text(*overrides.tuning, kTuningOption), *overrides.tuning), config);
 }
+
+void apply(const ConfigOverrides& overrides, CoordinatorFile& file) { apply(overrides, file.coordinator.control); }
 
 ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverrides& overrides) {
   ConfigBundle bundle{{{kConfig, file.string(), read_text(file, "file")}}, overrides};

@@ -2,7 +2,7 @@
 
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/config/yaml_section.hpp"
-#include "robot_name.hpp"
+#include "pilotfish/core/robot_name.hpp"
 
 namespace pilotfish::config {
 namespace {
@@ -81,7 +81,7 @@ const std::vector<Parameter<BlackBoxConfig>>& BlackBoxConfig::parameters() {
 
 std::string announcements_from(const std::string& name) {
   if (name == "none") return "";
-  if (!is_name(name)) throw ConfigError("announcements_from", not_a_name(name));
+  check_robot_name(name, "announcements_from");
   return name;
 }
 
@@ -107,7 +107,7 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   CoordinatorConfig& config = file.coordinator;
 
   file.name = root.text("name");
-  if (!is_name(file.name)) throw root.error("name", not_a_name(file.name));
+  check_robot_name(file.name, "name");
   if (root.optional("source")) file.source = root.text("source");
   if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
   if (root.optional("announcements_from"))

@@ -8,7 +8,8 @@
 namespace pilotfish::control {
 namespace {
 
-// Beside the robot no speed of its own changes the distance: there the law must not divide by zero.
+// Beside the robot no speed of its own changes the distance: there the law must not divide by zero. Setpoints keep away
+// from there (kMaxBearing_rad), so this bounds a transient only.
 constexpr double kMinCosine = 0.3;
 constexpr double kMinDistance_m = 0.05;
 

@@ -2,11 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "pilotfish/core/utime.hpp"
 
 namespace pilotfish::control {
+
+namespace {
+
+/// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
+/// it, and every law here takes the opposite for granted. So the robot turns to it first.
+Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
+  return std::cos(bearing_rad) > 0.0 ? wanted : Twist{0.0, wanted.angular_radps};
+}
+
+}  // namespace
 
 std::string_view to_string(Law law) noexcept {
   switch (law) {
@@ -37,6 +48,20 @@ Profile profile_from(std::string_view name) {
   throw ConfigError("profile", "'" + std::string(name) + "' is not a profile; choose paper or anticipate");
 }
 
+bool uses_section(const FollowerConfig& config, std::string_view section) noexcept {
+  const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), section) != names.end();
+  };
+  if (is_one_of({"limits", "drive"})) return true;
+  switch (config.active_law) {
+    case Law::pbvs: return section == "pbvs";
+    case Law::pid: return section == "pid";
+    case Law::fuzzy: break;
+  }
+  return is_one_of({"velocity", "heading"}) ||
+         (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_motion", "announcement"}));
+}
+
 Follower::Follower(FollowerConfig config)
     : config_(std::move(config)),
       own_(config_.drive, config_.limits),
@@ -61,7 +86,8 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   FollowerOutput output;
-  output.command = limit(config_.limits, wanted(observation, setpoint, dt_s, output), last_command_, dt_s);
+  const Twist wanted_twist = turn_first(wanted(observation, setpoint, dt_s, output), observation.bearing_rad);
+  output.command = limit(config_.limits, wanted_twist, last_command_, dt_s);
 
   own_.command(output.command, acts_utime(observation.utime));
   last_utime_ = observation.utime;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/utime.hpp"
 
 namespace pilotfish {
@@ -17,12 +18,30 @@ control::FieldOfView field_of_view(const CameraModel& camera, const CameraMounti
     const Eigen::Vector3d ray = base_from_camera(mounting).linear() * Eigen::Vector3d(xy.x(), xy.y(), 1.0);
     return std::atan2(ray.y(), ray.x());
   };
-  return {bearing(camera.width - 0.5), bearing(-0.5)};
+  // An edge lies less than half a turn from the middle; a camera that is mounted upside down has them exchanged.
+  const double middle = bearing(camera.cx);
+  const auto edge = [&](double u) {
+    const double bearing_rad = bearing(u), from_middle = bearing_rad - middle;
+    return std::abs(from_middle) <= kPi ? bearing_rad : bearing_rad - std::copysign(2.0 * kPi, from_middle);
+  };
+  const auto [right_rad, left_rad] = std::minmax({edge(camera.width - 0.5), edge(-0.5)});
+  return {right_rad, left_rad};
+}
+
+/// A camera that sees none of the bearings that may be kept would never let the robot drive.
+void check_view(const control::FieldOfView& view) {
+  if (view.left_rad > -kMaxBearing_rad && view.right_rad < kMaxBearing_rad) return;
+  std::ostringstream problem;
+  problem << "the camera sees bearings from " << degrees(view.right_rad) << " to " << degrees(view.left_rad)
+          << " deg only; a leader is followed at -" << degrees(kMaxBearing_rad) << " to " << degrees(kMaxBearing_rad)
+          << " deg, ahead of the robot";
+  throw ConfigError("camera.mounting.pan_deg", problem.str());
 }
 
 control::FollowerConfig with_view(const CoordinatorConfig& config) {
   control::FollowerConfig control = config.control;
   control.view = field_of_view(config.camera, config.mounting);
+  check_view(control.view);
   return control;
 }
 

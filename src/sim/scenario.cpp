@@ -1,22 +1,13 @@
 #include "pilotfish/sim/scenario.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 
+#include "pilotfish/core/robot_name.hpp"
+
 namespace pilotfish::sim {
 namespace {
-
-/// Channels are made from names (robot1 -> ROBOT1_IMAGE), so they are one word, and differ even in capitals.
-std::string channel_word(const std::string& name, const std::string& key) {
-  const auto is_word = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-  if (name.empty() || name.size() > 32 || !std::all_of(name.begin(), name.end(), is_word))
-    throw ConfigError(key, "'" + name + "' is not a name; use 1 to 32 letters, digits and underscores");
-  std::string word = name;
-  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::toupper(c); });
-  return word;
-}
 
 template <class Config>
 void check_part(const std::optional<Config>& part, const std::string& section) {
@@ -62,13 +53,14 @@ int Scenario::frame_count() const { return static_cast<int>(std::ceil(duration_s
 
 void Scenario::validate() const {
   check_ranges(*this, "");
-  channel_word(name, "name");
+  check_robot_name(name, "name");
   if (robots.empty()) throw ConfigError("robots", "a world needs at least one robot");
   std::set<std::string> words;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const RobotSpec& robot = robots[i];
     const std::string key = "robots[" + std::to_string(i) + "]";
-    if (!words.insert(channel_word(robot.name, key + ".name")).second)
+    check_robot_name(robot.name, key + ".name");
+    if (!words.insert(channel_word(robot.name)).second)
       throw ConfigError(key + ".name", "'" + robot.name + "' is used twice");
     check_ranges(robot.start, key + ".start");
     check_ranges(robot.drive, key + ".drive");

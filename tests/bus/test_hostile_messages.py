@@ -11,6 +11,7 @@ from edge import VALID, counter, valid_base, valid_command, valid_image, valid_s
 from PIL import Image
 
 from pilotfish import bus, core, wire
+from pilotfish.core import MAX_BEARING_RAD
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import command_t, observation_t, setpoint_t, stage_t, status_t
 
@@ -193,8 +194,8 @@ def test_a_setpoint_that_is_not_a_number_is_refused(edge, field, number):
         {"distance_m": 0.049},
         {"distance_m": 20.1},
         {"distance_m": -1.0},
-        {"bearing_rad": 3.15},
-        {"bearing_rad": -3.15},
+        {"bearing_rad": 1.23},
+        {"bearing_rad": -1.23},
         {"bearing_rad": 1e300},
     ],
 )
@@ -203,7 +204,7 @@ def test_a_setpoint_out_of_bounds_is_refused(edge, changes):
 
 
 def test_the_bounds_of_a_setpoint_belong_to_it(edge):
-    for distance_m, bearing_rad in [(0.05, math.pi), (20.0, -math.pi)]:
+    for distance_m, bearing_rad in [(0.05, MAX_BEARING_RAD), (20.0, -MAX_BEARING_RAD)]:
         message = valid_setpoint(distance_m=distance_m, bearing_rad=bearing_rad)
         assert edge.accepts("R1_SETPOINT", message.encode()).setpoint.distance_m == distance_m
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pilotfish.core import SequenceGuard, SequenceVerdict, Setpoint, SetpointGate, SetpointVerdict
+from pilotfish.core import MAX_BEARING_RAD, SequenceGuard, SequenceVerdict, Setpoint, SetpointGate, SetpointVerdict
 
 SESSION, OTHER = 0x1234_5678_9ABC_DEF0, 17
 STOP_DISTANCE_M = 0.4
@@ -67,7 +67,7 @@ def test_whatever_comes_the_accepted_counters_rise_and_none_is_accepted_twice(me
         ({"distance_m": math.nan}, SetpointVerdict.out_of_bounds, "setpoint_out_of_bounds"),
         ({"distance_m": math.inf}, SetpointVerdict.out_of_bounds, "setpoint_out_of_bounds"),
         ({"bearing_rad": math.nan}, SetpointVerdict.out_of_bounds, "setpoint_out_of_bounds"),
-        ({"bearing_rad": 3.15}, SetpointVerdict.out_of_bounds, "setpoint_out_of_bounds"),
+        ({"bearing_rad": 1.23}, SetpointVerdict.out_of_bounds, "setpoint_out_of_bounds"),
     ],
 )
 def test_every_refusal_has_its_name_and_changes_nothing(message, verdict, counted_as):
@@ -85,10 +85,10 @@ def test_the_stop_distance_itself_may_be_kept():
 
 
 @pytest.mark.parametrize(
-    "change", [{"distance_m": 0.05}, {"distance_m": 20.0}, {"bearing_rad": -math.pi}, {"bearing_rad": math.pi}]
+    "change", [{"distance_m": 0.05}, {"distance_m": 20.0}, {"bearing_rad": -MAX_BEARING_RAD}, {"bearing_rad": MAX_BEARING_RAD}]
 )
 def test_the_bounds_themselves_may_be_asked_for(change):
-    """Of Setpoint::parameters(): 0.05 to 20 m, -pi to pi. A gate whose stop distance is below them adds nothing."""
+    """Of Setpoint::parameters(): 0.05 to 20 m, -70 to 70 degrees. A gate whose stop distance is below them adds nothing."""
     the_gate = SetpointGate(session=SESSION, stop_distance_m=0.0)
     assert decide(the_gate, Setpoint(**change))[0] == SetpointVerdict.accepted
 
@@ -135,7 +135,7 @@ def test_a_stop_always_stops_and_only_what_is_accepted_ends_it(messages):
         assert the_gate.last_counter == (counter if the_gate.last_counter != last else last)
         # Whatever is sent, the target that is kept can be kept.
         assert STOP_DISTANCE_M <= kept.distance_m <= 20.0
-        assert abs(kept.bearing_rad) <= math.pi
+        assert abs(kept.bearing_rad) <= MAX_BEARING_RAD
 
 
 def test_a_recording_made_before_a_genuine_stop_cannot_be_played_after_it():

@@ -51,9 +51,9 @@ def test_the_version_is_the_package_s():
         (["plot", __file__], ".py"),
     ],
 )
-def test_a_wrong_command_line_ends_with_2_and_says_which_word_is_wrong(arguments, wrong):
+def test_a_wrong_command_line_ends_with_64_and_says_which_word_is_wrong(arguments, wrong):
     result, said = run(*arguments)
-    assert result.exit_code == 2
+    assert result.exit_code == 64
     assert wrong in said
 
 
@@ -102,10 +102,24 @@ def test_a_recording_is_plotted_beside_itself(tmp_path):
     assert {file.name for file in tmp_path.glob("*.png")} == {"run_paths.png", "run_distance_error.png"}
 
 
+@pytest.mark.parametrize(
+    ("file", "what"),
+    [
+        ("scenarios/line.yaml", "a scenario"),
+        ("config/line.yaml", "a coordinator's configuration"),
+        ("leaders/three_faces.yaml", "a leader's body"),
+    ],
+)
+def test_a_yaml_file_of_another_kind_is_called_by_its_kind(file, what):
+    result, said = run("plot", data.path(file))
+    assert result.exit_code == 78
+    assert f"is {what}, not a fuzzy controller" in said
+
+
 def test_a_recording_without_a_setpoint_is_plotted_once_the_setpoint_is_given(tmp_path):
     exponential_run().with_meta(distance_setpoint_m=float("nan")).to_csv(tmp_path / "run.csv")
     result, said = run("plot", tmp_path / "run.csv")
-    assert result.exit_code == 2
+    assert result.exit_code == 64
     assert "--distance-setpoint-m" in said
     assert run("plot", tmp_path / "run.csv", "--distance-setpoint-m", "1.0")[0].exit_code == 0
 

@@ -18,6 +18,8 @@ SEEN = {
     "heading_rad": 0.01,
     "reprojection_error_px": 0.1,
     "ambiguity_ratio": 1e6,
+    "heading_doubt": 1e-9,
+    "found_by": "prediction",
     "tag_ids": [0, 2],
     "decision_margins": [150.0, 90.0],
     "corners_px": [[[1, 2], [3, 2], [3, 0], [1, 0]], [[11, 2], [13, 2], [13, 0], [11, 0]]],
@@ -32,10 +34,13 @@ SEEN = {
     "leader_turn_rate_radps": 0.01,
     "own_motion": "commanded",
     "announcement": "silent",
+    "latency_s": 0.003,
+    "latency_from_exposure": False,
 }
 UNSEEN = (
     SEEN
     | dict.fromkeys(["distance_m", "bearing_rad", "heading_rad", "reprojection_error_px", "ambiguity_ratio"])
+    | dict.fromkeys(["heading_doubt", "found_by"])
     | dict.fromkeys(["error_m", "error_change_m", "output", "trust", "own_motion", "announcement"])
     | dict.fromkeys(["leader_radial_mps", "leader_tangential_mps", "leader_turn_rate_radps"])
     | {"detected": False, "tag_ids": [], "decision_margins": [], "corners_px": [], "status": "searching"}

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "pilotfish/core/frame.hpp"
 
@@ -45,6 +47,9 @@ class FrameSource {
 std::unique_ptr<FrameSource> open_camera(int index, int width, int height, double frame_rate_hz);
 /// Video file; frames carry the file's own timestamps.
 std::unique_ptr<FrameSource> open_video(const std::string& path);
+/// Files that open_images() reads, by the end of their names; capitals too.
+inline constexpr std::array<std::string_view, 9> kPictureSuffixes = {".png", ".jpg",  ".jpeg", ".pgm", ".ppm",
+                                                                     ".bmp", ".tiff", ".tif",  ".webp"};
 /// Folder of pictures in natural order of their names (2 before 10). If it holds `frames.csv` with columns
 /// `file,utime_us`, that is the order and the times; otherwise pictures are frame_rate_hz apart, from utime 0.
 std::unique_ptr<FrameSource> open_images(const std::string& directory, double frame_rate_hz);

@@ -13,7 +13,8 @@ namespace pilotfish::config {
 struct ConfigOverrides {
   std::optional<std::string> law, profile, tuning;  ///< tuning: a file
 };
-/// In the order in which they win: tuning, law, profile. Throws ConfigError.
+/// Throws ConfigError; also if the tuning is for another law than the one that will drive.
+void apply(const ConfigOverrides& overrides, control::FollowerConfig& config);
 void apply(const ConfigOverrides& overrides, CoordinatorFile& file);
 
 struct ConfigText {

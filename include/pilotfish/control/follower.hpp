@@ -53,6 +53,9 @@ struct FollowerConfig {
   AnnouncementConfig announcement;
 };
 
+/// Whether a section of the configuration's `control` has an effect on what drives: `pid` has none on the fuzzy law.
+bool uses_section(const FollowerConfig& config, std::string_view section) noexcept;
+
 struct FollowerOutput {
   Twist command;  ///< within the limits
   /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. A peer does not

@@ -23,6 +23,7 @@ from pilotfish.cli.tune import tune
 
 app = typer.Typer(
     name="pilotfish",
+    cls=console.SysexitsGroup,
     help="A robot follows another robot by sight alone: run experiments, render, draw, learn a leader's body.",
     no_args_is_help=True,
     rich_markup_mode="rich",

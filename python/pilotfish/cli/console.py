@@ -8,8 +8,10 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import typer
+import typer.core
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -25,9 +27,22 @@ class _Console(Console):
 console = _Console()
 _errors = _Console(stderr=True)
 
+
+class SysexitsGroup(typer.core.TyperGroup):
+    """Ends with 64 on a wrong command line, as the C++ programs do and sysexits.h says; click ends with 2."""
+
+    def main(self, *args: Any, **options: Any) -> Any:
+        try:
+            return super().main(*args, **options)
+        except SystemExit as end:
+            raise SystemExit(USAGE if end.code == _CLICK_USAGE else end.code) from end
+
+
 OnProgress = Callable[[int, int | None], None]
 
+USAGE = 64  # exit code, of sysexits.h
 IO_ERROR = 74  # exit code, of sysexits.h
+_CLICK_USAGE = 2
 NO_READER = 141  # 128 + SIGPIPE: `| head` has seen enough, as a shell says it
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+import yaml
 
 from pilotfish.cli.console import console, friendly_errors
 from pilotfish.cli.options import between
@@ -83,7 +84,19 @@ def _draw_fuzzy(file: Path, out: Path, *_: object) -> list[Path]:
     try:
         controller = fuzzy.load_controller(file)
     except ValueError as error:
-        raise ConfigError(f"{file}: {error}") from error
+        other = _other_kind(file)
+        problem = f"is {other}, not a fuzzy controller; this draws recordings (.csv) and fuzzy controllers (.yaml)"
+        raise ConfigError(f"{file} {problem}" if other else f"{file}: {error}") from error
     sets = draw_fuzzy_sets(controller, f"Membership functions of '{controller.name}'")
     surface = draw_surface(controller, f"Control surface of '{controller.name}'")
     return [save(sets, out / f"{file.stem}_sets.png"), save(surface, out / f"{file.stem}_surface.png")]
+
+
+def _other_kind(file: Path) -> str | None:
+    """What a YAML file is that is no fuzzy controller, by the keys that every file of its kind has."""
+    try:
+        keys = set(yaml.safe_load(file.read_text()))
+    except (yaml.YAMLError, UnicodeDecodeError, TypeError):
+        return None
+    kinds = {"robots": "a scenario", "camera": "a coordinator's configuration", "tags": "a leader's body"}
+    return next((kind for key, kind in kinds.items() if key in keys), None)

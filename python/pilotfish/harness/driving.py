@@ -25,7 +25,7 @@ class Driving:
         if self.tuning:  # refused here, before anything is started
             law = fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
             try:
-                coordinator.load_tuning(self.tuning, control.FollowerConfig(law=law))
+                self._overrides(control.FollowerConfig(law=law))
             except ValueError as error:
                 raise ConfigError(f"tuning: {error}") from error
 
@@ -45,8 +45,8 @@ class Driving:
 
     def apply(self, config: coordinator.CoordinatorConfig) -> None:
         """The same for a configuration in this process."""
-        if self.tuning_file:
-            config.control = coordinator.load_tuning(self.tuning_file, config.control)
-        config.control.active_law = getattr(control.Law, self.law)
-        if self.name in PROFILES:
-            config.control.profile = getattr(control.Profile, self.name)
+        config.control = self._overrides(config.control)
+
+    def _overrides(self, config: control.FollowerConfig) -> control.FollowerConfig:
+        profile = self.name if self.name in PROFILES else None
+        return coordinator.apply_overrides(config, law=self.law, profile=profile, tuning=self.tuning_file)

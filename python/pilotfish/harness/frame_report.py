@@ -28,6 +28,8 @@ class FrameReport:
     heading_rad: float | None
     reprojection_error_px: float | None
     ambiguity_ratio: float | None
+    heading_doubt: float | None  # probability that the heading is of the wrong one of the two solutions
+    found_by: str | None  # prediction, search: what found the tags
     tag_ids: tuple[int, ...]
     decision_margins: tuple[float, ...]  # one a tag
     corners_px: NDArray[np.float64]  # (tags, 4, 2)
@@ -42,6 +44,8 @@ class FrameReport:
     leader_turn_rate_radps: float | None
     own_motion: str | None  # commanded, odometry
     announcement: str | None  # silent, probation, agrees, used, suspended
+    latency_s: float | None  # to the command, median over the last frames; None in this process, which has no camera
+    latency_from_exposure: bool  # else from the frame's arrival
 
     @classmethod
     def from_step(cls, result: StepResult) -> FrameReport:
@@ -57,6 +61,8 @@ class FrameReport:
             heading_rad=seen.heading_rad if seen else None,
             reprojection_error_px=seen.reprojection_error_px if seen else None,
             ambiguity_ratio=seen.ambiguity_ratio if seen else None,
+            heading_doubt=seen.heading_doubt if seen else None,
+            found_by=seen.found_by.name if seen else None,
             tag_ids=tuple(tag.id for tag in seen.tags) if seen else (),
             decision_margins=tuple(tag.decision_margin for tag in seen.tags) if seen else (),
             corners_px=np.array([tag.corners_px for tag in seen.tags] if seen else []).reshape(-1, 4, 2),
@@ -71,6 +77,8 @@ class FrameReport:
             leader_turn_rate_radps=leader.turn_rate_radps if leader else None,
             own_motion=output.own_motion.name if output else None,
             announcement=output.announcement.name if output else None,
+            latency_s=None,
+            latency_from_exposure=False,
         )
 
     @classmethod

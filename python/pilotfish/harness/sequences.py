@@ -14,6 +14,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from pilotfish import capture
 from pilotfish.errors import HarnessError
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, find_executable
@@ -59,7 +60,7 @@ def render_sequence(
 
 def look_at_images(folder: Path, config: Path, *, profile: str | None = None) -> list[FrameReport]:
     """What ``pilotfish-coordinator --source images:folder`` says about each picture, in order."""
-    pictures = sum(1 for file in folder.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"})
+    pictures = sum(1 for file in folder.iterdir() if file.suffix.lower() in capture.PICTURE_SUFFIXES)
     if not pictures:
         raise HarnessError(f"no pictures in {folder}")
     command: list[str | Path] = [
