@@ -4,7 +4,7 @@
 # Two lcm-gens: C++ and Java must fit the system's liblcm and lcm.jar, so the system's makes them; Python types come from
 # the one in the `lcm` wheel, because Python tools of LCM 1.5 need fields that 1.3's does not write. The wire is the same.
 file(GLOB lcm_files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/lcmtypes/*.lcm)
-set(generated ${CMAKE_BINARY_DIR}/lcmtypes)
+set(generated ${PROJECT_BINARY_DIR}/lcmtypes)
 find_program(LCM_GEN lcm-gen PATHS /usr/bin NO_DEFAULT_PATH DOC "lcm-gen for C++ and Java")
 find_program(LCM_GEN lcm-gen REQUIRED)
 
@@ -54,11 +54,14 @@ if(PILOTFISH_PYTHON)
     COMMAND ${LCM_GEN_PYTHON} --python --ppath ${generated}/python --package-prefix pilotfish.lcmtypes ${lcm_files}
     DEPENDS ${lcm_files} VERBATIM)
   add_custom_target(pilotfish_lcmtypes_python ALL DEPENDS ${python_modules})
-  file(MAKE_DIRECTORY ${python_types} ${CMAKE_BINARY_DIR}/python/pilotfish)
-  file(CREATE_LINK ${python_types} ${CMAKE_BINARY_DIR}/python/pilotfish/lcmtypes SYMBOLIC)
+  file(MAKE_DIRECTORY ${python_types} ${PROJECT_BINARY_DIR}/python/pilotfish)
+  file(CREATE_LINK ${python_types} ${PROJECT_BINARY_DIR}/python/pilotfish/lcmtypes SYMBOLIC)
   install(DIRECTORY ${python_types} DESTINATION pilotfish COMPONENT python PATTERN __pycache__ EXCLUDE)
 endif()
 
+if(NOT PILOTFISH_APPS)
+  return()
+endif()
 # --- Java: a jar for lcm-spy (pilotfish-spy) --------------------------------------------------------------------------
 find_package(Java COMPONENTS Development QUIET)
 find_file(LCM_JAR lcm.jar PATHS /usr/share/java /usr/local/share/java DOC "LCM's Java library")
@@ -68,14 +71,14 @@ if(SKBUILD)  # a wheel's data and scripts land in the environment's share/ and b
   set(java_share_dir ${SKBUILD_DATA_DIR}/share/pilotfish)
   set(java_launcher_dir ${SKBUILD_SCRIPTS_DIR})
 endif()
-file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/apps)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR}/apps/pilotfish-spy ${CMAKE_BINARY_DIR}/apps/pilotfish-spy SYMBOLIC)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/apps)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/apps/pilotfish-spy ${PROJECT_BINARY_DIR}/apps/pilotfish-spy SYMBOLIC)
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/apps/pilotfish-spy DESTINATION ${java_launcher_dir})
 if(Java_JAVAC_EXECUTABLE AND Java_JAR_EXECUTABLE AND LCM_JAR)
-  set(jar ${CMAKE_BINARY_DIR}/share/pilotfish/pilotfish-lcmtypes.jar)
+  set(jar ${PROJECT_BINARY_DIR}/share/pilotfish/pilotfish-lcmtypes.jar)
   add_custom_command(OUTPUT ${jar}
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${generated}/java ${generated}/classes
-    COMMAND ${CMAKE_COMMAND} -E make_directory ${generated}/java ${CMAKE_BINARY_DIR}/share/pilotfish
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${generated}/java ${PROJECT_BINARY_DIR}/share/pilotfish
     COMMAND ${LCM_GEN} --java --jpath ${generated}/java ${lcm_files}
     COMMAND ${Java_JAVAC_EXECUTABLE} -nowarn -encoding UTF-8 -cp ${LCM_JAR} -d ${generated}/classes ${java_sources}
     COMMAND ${Java_JAR_EXECUTABLE} cf ${jar} -C ${generated}/classes .

@@ -101,8 +101,9 @@ int main(int argc, char** argv) {
   fill_missing_standard_streams();
   const ParsedBaseOptions parsed = parse_base_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
-  if (parsed.options.describe_config) {
-    std::cout << config::describe_base_config();
+  if (!parsed.options.describe_config.empty()) {
+    std::cout << (parsed.options.describe_config == "json" ? config::describe_base_config_as_json_schema()
+                                                           : config::describe_base_config());
     return kOk;
   }
   catch_stop_signals();

@@ -38,11 +38,12 @@ ParsedBaseOptions parse_base_options(int argc, char** argv) {
   app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");
   app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
   app.add_flag("--quiet", options.quiet, "log warnings only");
-  app.add_flag("--describe-config", options.describe_config,
-               "print every key of the configuration as Markdown and end");
+  app.add_flag("--describe-config{markdown}", options.describe_config,
+               "print every key of the configuration and end; --describe-config=json: as a JSON schema, for editors")
+      ->check(CLI::IsMember({"markdown", "json"}));
   try {
     app.parse(argc, argv);
-    if (!options.describe_config && config->count() == 0) throw CLI::RequiredError("--config");
+    if (options.describe_config.empty() && config->count() == 0) throw CLI::RequiredError("--config");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return {options, code == 0 ? kOk : kUsage};

@@ -11,7 +11,7 @@ struct BaseOptions {
   std::optional<std::string> driver;
   std::string lcm_url;
   bool quiet = false;
-  bool describe_config = false;
+  std::string describe_config;  ///< how to print it: markdown, json; empty: not at all
 };
 
 /// The options, or the exit code with which to end at once (after --help, or a usage error already printed).

@@ -67,9 +67,9 @@ config::CoordinatorFile load(const Options& options) {
 /// Prints what will be used, so that a log shows what drove the robot.
 void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
-  spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name,
-               to_string(config.control.active_law), to_string(config.control.profile), config.setpoint.distance_m,
-               degrees(config.setpoint.bearing_rad), config.setpoint.run ? "" : " (told to stop)");
+  spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, config.control.active_law,
+               to_string(config.control.profile), config.setpoint.distance_m, degrees(config.setpoint.bearing_rad),
+               config.setpoint.run ? "" : " (told to stop)");
   spdlog::info("camera {} x {} px, f = {:.1f} px{}", config.camera.width, config.camera.height, config.camera.fx,
                config.camera.has_distortion() ? ", with distortion" : "");
   std::string ids;
@@ -254,8 +254,9 @@ int main(int argc, char** argv) {
   const ParsedOptions parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   const Options& options = parsed.options;
-  if (options.describe_config) {
-    std::cout << config::describe_config();
+  if (!options.describe_config.empty()) {
+    std::cout << (options.describe_config == "json" ? config::describe_config_as_json_schema()
+                                                    : config::describe_config());
     return kOk;
   }
   int code = kSoftware;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "exit_codes.hpp"
+#include "pilotfish/control/follower.hpp"
 #include "version.hpp"
 
 namespace pilotfish::apps {
@@ -60,8 +61,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option(
       "--lcm-url", options.lcm_url,
       "LCM bus; memq:// keeps everything inside this process. Default: $LCM_DEFAULT_URL, else this host alone");
-  app.add_option("--law", options.law, "the law that drives: fuzzy, or a peer to compare it with")
-      ->check(CLI::IsMember({"fuzzy", "pbvs", "pid"}));
+  app.add_option("--law", options.law, "the law that drives: fuzzy, or a baseline to compare it with")
+      ->check(CLI::IsMember(control::law_names(control::FollowerConfig{})));
   app.add_option("--profile", options.profile, "how the fuzzy law drives: as published, or around a feed-forward")
       ->check(CLI::IsMember({"paper", "anticipate"}));
   app.add_option("--tuning", options.tuning, "parameters of the law, as pilotfish tune writes them; they win");
@@ -77,12 +78,13 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--live", options.live,
                "let files (video:, images:, log:) speak on the bus; otherwise they stay inside this process");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
-  app.add_flag("--describe-config", options.describe_config,
-               "print every key of the configuration as Markdown and end");
+  app.add_flag("--describe-config{markdown}", options.describe_config,
+               "print every key of the configuration and end; --describe-config=json: as a JSON schema, for editors")
+      ->check(CLI::IsMember({"markdown", "json"}));
   try {
     app.parse(argc, argv);
     if (options.source) parse_source(*options.source);
-    if (!options.describe_config && config->count() == 0) throw CLI::RequiredError("--config");
+    if (options.describe_config.empty() && config->count() == 0) throw CLI::RequiredError("--config");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return {options, code == 0 ? kOk : kUsage};

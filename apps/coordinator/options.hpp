@@ -28,7 +28,7 @@ struct Options {
   bool simulated_time = false;
   bool live = false;
   bool json = false;
-  bool describe_config = false;
+  std::string describe_config;  ///< how to print it: markdown, json; empty: not at all
 };
 
 /// The options, or the exit code with which to end at once (after --help, or a usage error already printed).

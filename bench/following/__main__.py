@@ -74,7 +74,7 @@ def _play_all(
 
 def _table(rows: list[Row]) -> Table:
     table = Table(title="Following by sight: profile anticipate against its goals", title_justify="left")
-    for column in ("scenario", "figure", "goal", "ours (worst)", "paper", "pbvs", "pid", "ours / best peer", "met"):
+    for column in ("scenario", "figure", "goal", "ours (worst)", "paper", *BASELINES, "ours / best baseline", "met"):
         table.add_column(column, justify="left" if column in ("scenario", "figure", "met") else "right")
     for row in rows:
         goal = (
@@ -82,7 +82,7 @@ def _table(rows: list[Row]) -> Table:
             if row.goal_text[-1].isdigit() or row.goal == float("inf")
             else f"{row.goal_text} {row.goal:.3g}"
         )
-        others = [f"{row.others[law]:.3g}" for law in ("paper", "pbvs", "pid")]
+        others = [f"{row.others[law]:.3g}" for law in ("paper", *BASELINES)]
         met = "-" if row.goal == float("inf") else "[green]yes[/]" if row.met else "[red]no[/]"
         table.add_row(row.scenario, escape(row.figure), goal, f"{row.ours:.3g}", *others, f"{row.ratio:.2g}", met)
     return table

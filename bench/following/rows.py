@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from figures import physical_limit_m
 
+from pilotfish.harness.driving import BASELINES
+
 SCENARIOS = ("line", "circle", "stop_dead", "start", "reverse", "figure_eight", "square", "occlusion")
-LAWS = ("paper", "pbvs", "pid", "anticipate")
-PEERS = ("pbvs", "pid")
+LAWS = ("paper", *BASELINES, "anticipate")
 
 Figures = dict[str, dict[str, list[dict[str, float]]]]  # scenario -> law -> one per seed
 
@@ -31,8 +32,8 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """Ours over the best peer's; below 1 we are better."""
-        best = min(self.others[peer] for peer in PEERS)
+        """Ours over the best baseline's; below 1 we are better."""
+        best = min(self.others[law] for law in BASELINES)
         return self.ours / best if best > 0.0 else float("nan")
 
 
@@ -78,8 +79,8 @@ def make_rows(measured: Figures) -> list[Row]:
         rows.append(_row(measured, scenario, "rms jerk [m/s3]", paper, "≤ paper's"))
     for scenario in measured:
         for figure in ("rms error [mm]", "rms bearing [deg]"):
-            best = min(_mean(measured, scenario, peer, figure) for peer in PEERS)
-            rows.append(_row(measured, scenario, figure, best, "≤ best peer"))
+            best = min(_mean(measured, scenario, law, figure) for law in BASELINES)
+            rows.append(_row(measured, scenario, figure, best, "≤ best baseline"))
     return rows
 
 

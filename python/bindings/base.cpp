@@ -78,11 +78,7 @@ void bind_guards(py::module_& m) {
 
 void bind_base(py::module_& m) {
   bind_parameters<SerialConfig>(m, "SerialConfig", "The line to the motor controller.");
-  auto config = bind_parameters<BaseConfig>(m, "BaseConfig", "The wheels' process.");
-  config.def_readwrite("wheels", &BaseConfig::wheels)
-      .def_readwrite("limits", &BaseConfig::limits)
-      .def_readwrite("commands", &BaseConfig::commands)
-      .def_readwrite("serial", &BaseConfig::serial);
+  bind_parameters<BaseConfig>(m, "BaseConfig", "The wheels' process.");
   py::enum_<BaseState>(m, "BaseState", "What the wheels' process is doing.")
       .value("waiting", BaseState::waiting)
       .value("driving", BaseState::driving)

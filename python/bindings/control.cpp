@@ -1,3 +1,7 @@
+#include <limits>
+#include <map>
+#include <memory>
+
 #include "arrays.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
@@ -142,6 +146,87 @@ void bind_anticipation(py::module_& m) {
         py::arg("wanted"), "The nearest twist that keeps the leader in the picture.");
 }
 
+using LawValues = std::map<std::string, double>;
+
+LawValues values_of(const LawDescription& law) {
+  LawValues values;
+  for (const LawParameter& each : law.parameters) values[each.key] = each.value;
+  return values;
+}
+
+const LawDescription& named(const FollowerConfig& config, const std::string& law) {
+  for (const LawDescription& each : config.laws)
+    if (each.name == law) return each;
+  throw ConfigError("law", "'" + law + "' is not one of `laws`");
+}
+
+/// A law written in Python: an object with follow(observation, setpoint, dt_s) -> Twist and, if it remembers anything,
+/// restart(). What it raises is printed, and the robot stands still.
+class PythonLaw final : public Law {
+ public:
+  explicit PythonLaw(py::object law) : law_(std::move(law)) {}
+  ~PythonLaw() override {
+    const py::gil_scoped_acquire gil;
+    law_ = py::object();
+  }
+  Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept override {
+    const py::gil_scoped_acquire gil;
+    try {
+      return law_.attr("follow")(observation, setpoint, dt_s).cast<Twist>();
+    } catch (py::error_already_set& error) {
+      error.discard_as_unraisable("follow() of a law");
+    } catch (const std::exception& error) {
+      py::print("follow() of a law:", error.what(), py::arg("file") = py::module_::import("sys").attr("stderr"));
+    }
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone};
+  }
+  void restart() noexcept override {
+    const py::gil_scoped_acquire gil;
+    try {
+      if (py::hasattr(law_, "restart")) law_.attr("restart")();
+    } catch (py::error_already_set& error) {
+      error.discard_as_unraisable("restart() of a law");
+    }
+  }
+
+ private:
+  py::object law_;
+};
+
+void bind_laws(py::module_& m) {
+  py::class_<LawParameter>(m, "LawParameter", "A number in the configuration's section control.<law>.")
+      .def(py::init([](std::string key, double value, double min, double max, std::string text) {
+             return LawParameter{std::move(key), value, min, max, std::move(text)};
+           }),
+           py::arg("key"), py::arg("value"), py::kw_only(), py::arg("min"), py::arg("max"), py::arg("text") = "")
+      .def_readonly("key", &LawParameter::key)
+      .def_readonly("value", &LawParameter::value)
+      .def_readonly("min", &LawParameter::min)
+      .def_readonly("max", &LawParameter::max)
+      .def_readonly("text", &LawParameter::text);
+  py::class_<LawDescription>(m, "LawDescription",
+                             "A law as the configuration, the command line and the documentation know it.")
+      .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
+             const auto made = [make = std::move(make)](const std::vector<LawParameter>& values,
+                                                        const LimitsConfig& limits) -> std::unique_ptr<Law> {
+               LawDescription law{"", "", values, nullptr};
+               return std::make_unique<PythonLaw>(make(values_of(law), limits));
+             };
+             return LawDescription{std::move(name), std::move(text), std::move(parameters), made};
+           }),
+           py::kw_only(), py::arg("name"), py::arg("text"), py::arg("parameters") = std::vector<LawParameter>{},
+           py::arg("make"),
+           "make({parameter: value}, limits) returns the law: an object with follow(observation, setpoint, dt_s) -> "
+           "Twist "
+           "and, if it remembers anything, restart()")
+      .def_readonly("name", &LawDescription::name)
+      .def_readonly("text", &LawDescription::text)
+      .def_readonly("parameters", &LawDescription::parameters);
+  m.def("built_in_laws", &built_in_laws, "The laws that come with Pilotfish, beside the fuzzy one.");
+  m.attr("FUZZY_LAW") = kFuzzyLaw;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(control, m) {
@@ -149,10 +234,7 @@ PYBIND11_MODULE(control, m) {
   py::module_::import("pilotfish.fuzzy");
   m.doc() = "From an observation to a twist: the fuzzy velocity law, the heading controller, the limits.";
 
-  py::enum_<Law>(m, "Law", "Which law drives: the fuzzy one, or a peer it is compared with.")
-      .value("fuzzy", Law::fuzzy)
-      .value("pbvs", Law::pbvs)
-      .value("pid", Law::pid);
+  bind_laws(m);
   py::enum_<Profile>(m, "Profile", "How the fuzzy law drives.")
       .value("paper", Profile::paper)
       .value("anticipate", Profile::anticipate);
@@ -162,8 +244,6 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
-  bind_parameters<PbvsConfig>(m, "PbvsConfig", "ViSP's adaptive gain.");
-  bind_parameters<PidConfig>(m, "PidConfig", "Gains of two independent PID controllers.");
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels do what they are told.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
@@ -176,33 +256,40 @@ PYBIND11_MODULE(control, m) {
   bind_announcement(m);
   bind_anticipation(m);
 
-  py::class_<FollowerConfig>(m, "FollowerConfig", "Everything a Follower needs.")
-      .def(py::init([](const fuzzy::Controller& law, Profile profile, const FuzzyVelocityConfig& velocity,
-                       const HeadingControllerConfig& heading, const LimitsConfig& limits,
-                       const AnticipateConfig& anticipate, const LeaderMotionConfig& leader_motion,
-                       const DriveModelConfig& drive, Law active_law, const PbvsConfig& pbvs, const PidConfig& pid,
-                       const AnnouncementConfig& announcement) {
-             return FollowerConfig{profile, law,        velocity, heading, limits, anticipate,  leader_motion,
-                                   drive,   active_law, pbvs,     pid,     {},     announcement};
+  py::class_<FollowerConfig> follower_config(m, "FollowerConfig", "Everything a Follower needs.");
+  bind_attributes(follower_config);
+  follower_config
+      .def(py::init([](const fuzzy::Controller& law, Profile profile, const std::string& active_law,
+                       const std::vector<LawDescription>& laws, const py::kwargs& sections) {
+             FollowerConfig made;
+             made.law = law;
+             made.profile = profile;
+             made.laws = laws;
+             set_active_law(made, active_law);
+             set_attributes(made, sections, "FollowerConfig");
+             return made;
            }),
            py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
-           py::arg("velocity") = FuzzyVelocityConfig{}, py::arg("heading") = HeadingControllerConfig{},
-           py::arg("limits") = LimitsConfig{}, py::arg("anticipate") = AnticipateConfig{},
-           py::arg("leader_motion") = LeaderMotionConfig{}, py::arg("drive") = DriveModelConfig{},
-           py::arg_v("active_law", Law::fuzzy, "Law.fuzzy"), py::arg("pbvs") = PbvsConfig{},
-           py::arg("pid") = PidConfig{}, py::arg("announcement") = AnnouncementConfig{})
+           py::arg("active_law") = kFuzzyLaw, py::arg_v("laws", built_in_laws(), "built_in_laws()"))
       .def_readwrite("profile", &FollowerConfig::profile)
       .def_readwrite("law", &FollowerConfig::law)
-      .def_readwrite("velocity", &FollowerConfig::velocity)
-      .def_readwrite("heading", &FollowerConfig::heading)
-      .def_readwrite("limits", &FollowerConfig::limits)
-      .def_readwrite("anticipate", &FollowerConfig::anticipate)
-      .def_readwrite("leader_motion", &FollowerConfig::leader_motion)
-      .def_readwrite("drive", &FollowerConfig::drive)
-      .def_readwrite("active_law", &FollowerConfig::active_law)
-      .def_readwrite("pbvs", &FollowerConfig::pbvs)
-      .def_readwrite("pid", &FollowerConfig::pid)
-      .def_readwrite("announcement", &FollowerConfig::announcement)
+      .def_property(
+          "active_law", [](const FollowerConfig& of) { return of.active_law; }, &set_active_law,
+          "\"fuzzy\" or the name of one of `laws`; ValueError lists them")
+      .def_readwrite("laws", &FollowerConfig::laws,
+                     "what may drive instead of the fuzzy law; assign a new list to change it")
+      .def(
+          "law_parameters",
+          [](const FollowerConfig& config, const std::string& law) { return values_of(named(config, law)); },
+          py::arg("law"), "{parameter: value} of a law, as in the section control.<law>")
+      .def(
+          "set_law_parameter",
+          [](FollowerConfig& config, const std::string& law, const std::string& key, double value) {
+            for (LawDescription& each : config.laws)
+              if (each.name == law) return set_parameter(each, key, value);
+            named(config, law);
+          },
+          py::arg("law"), py::arg("parameter"), py::arg("value"), "ValueError names what is out of range or unknown")
       .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")

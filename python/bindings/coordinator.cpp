@@ -22,15 +22,12 @@ Bytes from_bytes(const py::bytes& bytes) {
 
 void bind_config(py::module_& m) {
   bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
-  py::class_<CoordinatorConfig>(m, "CoordinatorConfig", "Everything a coordinator needs to know.")
-      .def(py::init<>())
+  py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "Everything a coordinator needs to know.");
+  coordinator_config.def(py::init<>())
       .def_readwrite("camera", &CoordinatorConfig::camera)
       .def_readwrite("mounting", &CoordinatorConfig::mounting)
-      .def_readwrite("leader", &CoordinatorConfig::leader)
-      .def_readwrite("vision", &CoordinatorConfig::vision)
-      .def_readwrite("control", &CoordinatorConfig::control)
-      .def_readwrite("safety", &CoordinatorConfig::safety)
-      .def_readwrite("setpoint", &CoordinatorConfig::setpoint);
+      .def_readwrite("leader", &CoordinatorConfig::leader);
+  bind_attributes(coordinator_config);  // vision, control, safety, setpoint
   bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
   py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
       .def_readonly("name", &config::CoordinatorFile::name)
@@ -90,7 +87,8 @@ void bind_config(py::module_& m) {
       },
       py::arg("control"), py::kw_only(), py::arg("law") = py::none(), py::arg("profile") = py::none(),
       py::arg("tuning") = py::none(),
-      "The control configuration with what the command line says instead (--law, --profile, --tuning). ValueError names "
+      "The control configuration with what the command line says instead (--law, --profile, --tuning). ValueError "
+      "names "
       "the key at fault, and refuses a tuning whose sections the law does not read.");
   m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
   m.def("load_leader_body", &config::load_leader_body, py::arg("path"));

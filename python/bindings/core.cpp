@@ -20,6 +20,21 @@ using namespace pilotfish::python;
 
 namespace {
 
+/// Our ConfigError becomes pilotfish.errors.ConfigError, a ValueError that has the key: in every module, whichever of
+/// them is asked.
+void translate_config_errors() {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const ConfigError& error) {
+      const py::object type = py::module_::import("pilotfish.errors").attr("ConfigError");
+      py::object raised = type(error.what());
+      raised.attr("key") = error.key();
+      PyErr_SetObject(type.ptr(), raised.ptr());
+    }
+  });
+}
+
 void bind_session_guard(py::module_& m) {
   py::enum_<SequenceVerdict>(m, "SequenceVerdict")
       .value("accepted", SequenceVerdict::accepted)
@@ -54,6 +69,7 @@ void bind_session_guard(py::module_& m) {
 }  // namespace
 
 PYBIND11_MODULE(core, m) {
+  translate_config_errors();
   m.doc() = "The words everyone shares: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
 
   m.def("wrap_angle", &wrap_angle, py::arg("angle_rad"), "The same angle in (-pi, pi].");

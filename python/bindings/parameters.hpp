@@ -1,22 +1,49 @@
 #pragma once
 
-// A config struct in Python, made from its one table of parameters: keyword-only constructor with the C++ defaults,
-// attributes with the table's text and bounds as docstrings, a range check that raises ValueError, a readable repr.
+// A config struct in Python, made from its table of parameters and its list of sections: keyword-only constructor with
+// the C++ defaults, attributes with the tables' texts and bounds as docstrings, a range check at every assignment that
+// raises pilotfish.ConfigError, a readable repr.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <sstream>
 #include <string>
+#include <vector>
 
-#include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/sections.hpp"
 
 namespace pilotfish::python {
 
 namespace py = pybind11;
 
+/// Of a constructor, as text: pybind11 would show **kwargs. After the attributes are bound.
 template <class Config>
-void set_parameters(Config& config, const py::kwargs& values, const std::string& name) {
+std::string keyword_signature() {
+  std::string text = "__init__(self, *";
+  const py::object defaults = py::cast(Config{});
+  const auto type_of = [](const py::object& value) {
+    return py::str(py::type::of(value).attr("__name__")).cast<std::string>();
+  };
+  if constexpr (kHasParameters<Config>)
+    for (const Parameter<Config>& parameter : Config::parameters()) {
+      const std::string key(parameter.key);
+      const py::object value = defaults.attr(key.c_str());
+      const bool vector = py::isinstance<py::list>(value);
+      text +=
+          ", " + key + ": " + (vector ? "list[float]" : type_of(value)) + " = " + py::repr(value).cast<std::string>();
+    }
+  if constexpr (kHasSections<Config>)
+    Config::sections([&](const std::string& name, auto) {
+      if (name.empty()) return;
+      const std::string type = type_of(defaults.attr(name.c_str()));
+      text += ", " + name + ": " + type + " = ...";
+    });
+  return text + ") -> None";
+}
+
+template <class Config>
+void set_attributes(Config& config, const py::kwargs& values, const std::string& name) {
   py::object self = py::cast(&config, py::return_value_policy::reference);
   for (auto [key, value] : values) {
     if (!py::hasattr(self, key))
@@ -25,30 +52,57 @@ void set_parameters(Config& config, const py::kwargs& values, const std::string&
   }
 }
 
+/// The attributes: numbers from parameters(), parts from sections(). A part whose keys stand in its parent's section
+/// has no name there: bind it by hand.
+template <class Config>
+void bind_attributes(py::class_<Config>& binding) {
+  if constexpr (kHasParameters<Config>)
+    for (const Parameter<Config>& parameter : Config::parameters()) {
+      std::ostringstream doc;
+      doc << parameter.text << " [" << parameter.min << ", " << parameter.max << "]";
+      const std::string key(parameter.key);
+      std::visit(
+          [&](auto member) {
+            using Value = std::decay_t<decltype(std::declval<Config>().*member)>;
+            binding.def_property(
+                key.c_str(), [member](const Config& config) { return config.*member; },
+                [member, &parameter](Config& config, const Value& value) {
+                  Config changed = config;
+                  changed.*member = value;
+                  check_range(changed, parameter, "");
+                  config.*member = value;
+                },
+                doc.str().c_str());
+          },
+          parameter.member);
+    }
+  if constexpr (kHasSections<Config>)
+    Config::sections([&](const std::string& name, auto member) {
+      if (!name.empty()) binding.def_readwrite(name.c_str(), member);
+    });
+}
+
 template <class Config>
 py::class_<Config> bind_parameters(py::module_& module, const char* name, const char* text) {
   py::class_<Config> binding(module, name, text);
-  binding.def(py::init([name](const py::kwargs& values) {
-    Config config;
-    set_parameters(config, values, name);
-    check_ranges(config, "");
-    return config;
-  }));
-  for (const Parameter<Config>& parameter : Config::parameters()) {
-    std::ostringstream doc;
-    doc << parameter.text << " [" << parameter.min << ", " << parameter.max << "]";
-    const std::string key(parameter.key);
-    std::visit([&](auto member) { binding.def_readwrite(key.c_str(), member, doc.str().c_str()); }, parameter.member);
+  bind_attributes(binding);
+  {
+    py::options options;
+    options.disable_function_signatures();
+    binding.def(py::init([name](const py::kwargs& values) {
+                  Config config;
+                  set_attributes(config, values, name);
+                  return config;
+                }),
+                keyword_signature<Config>().c_str());
   }
   binding.def("__repr__", [name](const py::object& self) {
+    std::vector<std::string> keys;
+    for (const Parameter<Config>& parameter : Config::parameters()) keys.emplace_back(parameter.key);
     std::string text_out = std::string(name) + "(";
-    bool first = true;
-    for (const Parameter<Config>& parameter : Config::parameters()) {
-      if (!first) text_out += ", ";
-      first = false;
-      const std::string key(parameter.key);
-      text_out += key + "=" + py::repr(self.attr(key.c_str())).cast<std::string>();
-    }
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      text_out +=
+          (i > 0 ? ", " : "") + keys[i] + "=" + py::repr(self.attr(keys[i].c_str())).template cast<std::string>();
     return text_out + ")";
   });
   return binding;

@@ -149,7 +149,9 @@ PYBIND11_MODULE(vision, m) {
 
   bind_parameters<HeadingFilterConfig>(m, "HeadingFilterConfig", "How headings change and how long evidence lasts.");
   bind_parameters<LeaderTrackConfig>(m, "LeaderTrackConfig", "How a leader can move from frame to frame.");
-  py::class_<LeaderObserverConfig>(m, "LeaderObserverConfig")
+  py::class_<LeaderObserverConfig> observer_config(m, "LeaderObserverConfig", "How a leader is looked for and followed.");
+  bind_attributes(observer_config);  // acquisition_range_m, heading, track
+  observer_config
       .def(py::init([](double acquisition_range_m, const TagDetectorConfig& detector, const TagGates& gates,
                        const LeaderPoseConfig& pose, const HeadingFilterConfig& heading,
                        const LeaderTrackConfig& track) {
@@ -159,12 +161,9 @@ PYBIND11_MODULE(vision, m) {
            py::arg("detector") = TagDetectorConfig{}, py::arg("gates") = TagGates{},
            py::arg("pose") = LeaderPoseConfig{}, py::arg("heading") = HeadingFilterConfig{},
            py::arg("track") = LeaderTrackConfig{})
-      .def_readwrite("acquisition_range_m", &LeaderObserverConfig::acquisition_range_m)
       .def_readwrite("detector", &LeaderObserverConfig::detector)
       .def_readwrite("gates", &LeaderObserverConfig::gates)
-      .def_readwrite("pose", &LeaderObserverConfig::pose)
-      .def_readwrite("heading", &LeaderObserverConfig::heading)
-      .def_readwrite("track", &LeaderObserverConfig::track);
+      .def_readwrite("pose", &LeaderObserverConfig::pose);
   py::class_<RejectionCounters>(m, "RejectionCounters", "Everything that was turned away since the start.")
       .def_readonly("frames_invalid", &RejectionCounters::frames_invalid)
       .def_readonly("hamming", &RejectionCounters::hamming)

@@ -1,10 +1,24 @@
 """Pilotfish: a robot follows another robot by sight alone.
 
-The rooms of the C++ library are extension modules of the same names, loaded one by one (``pilotfish.core``,
-``.fuzzy``, ``.vision``, ``.control``, ``.coordinator``, ``.capture``, ``.bus``, ``.sim``). On top of them, in
-Python: ``operating`` talks to a running coordinator, ``harness`` runs scenarios, ``experiments`` holds the source
-paper's two, ``metrics`` and ``plots`` judge and draw, ``body_learning`` finds where a leader's tags sit, ``cli`` is the
-command line.
+The modules of the C++ library are extension modules of the same names (``pilotfish.core``, ``.fuzzy``, ``.vision``,
+``.control``, ``.coordinator``, ``.capture``, ``.bus``, ``.sim``, ``.base``, ``.blackbox``), loaded when they are first
+used. On top of them, in Python: ``operating`` talks to a running coordinator, ``harness`` runs scenarios, ``experiments``
+holds the source paper's two, ``metrics`` and ``plots`` evaluate and draw, ``body_learning`` finds where a leader's tags sit,
+``cli`` is the command line.
 """
 
+import importlib
+import pkgutil
+from typing import Any
+
+from pilotfish.errors import ConfigError, PilotfishError
+
+__all__ = ["ConfigError", "PilotfishError", "__version__"]
 __version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    """``import pilotfish; pilotfish.vision``: without a second import, and without loading what is not used."""
+    if not name.startswith("_") and any(module.name == name for module in pkgutil.iter_modules(__path__)):
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module 'pilotfish' has no attribute '{name}'")

@@ -59,6 +59,11 @@ class HarnessError(PilotfishError, RuntimeError):
 
 
 class ConfigError(PilotfishError, ValueError):
-    """A configuration, scenario or fuzzy controller that cannot be used; the message names the key."""
+    """A configuration, scenario or fuzzy controller that cannot be used; the message names the key.
+
+    ``key`` is its dotted path (``control.limits.max_linear_mps``); None where no single key is at fault.
+    """
+
+    key: str | None = None
 
     exit_code = 78

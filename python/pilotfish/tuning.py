@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pilotfish import coordinator, data, sim
+from pilotfish import control, coordinator, data, sim
 from pilotfish.errors import MissingPackageError
 from pilotfish.harness.drawn_sight import DrawnSight
-from pilotfish.harness.driving import Driving
+from pilotfish.harness.driving import BASELINES, Driving
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import rms_jerk_mps3
@@ -67,6 +67,18 @@ SEARCH: dict[str, dict[str, Range]] = {
         "pid.derivative_filter_s": Range(0.005, 0.5),
     },
 }
+
+# For a law that is not listed: its parameters' own ranges, four decades where they begin at zero.
+_DECADES = 1e-4
+
+
+def search_ranges(name: str) -> dict[str, Range]:
+    """What is searched for whoever drives: SEARCH, or all that a law has."""
+    if name in SEARCH:
+        return SEARCH[name]
+    law = next(law for law in control.built_in_laws() if law.name == name)
+    return {f"{name}.{each.key}": Range(max(each.min, each.max * _DECADES), each.max) for each in law.parameters}
+
 
 # Scenario: how long it is played, and from when on its errors count.
 PLAYED = {"line": (14.0, 5.0), "circle": (14.0, 5.0), "stop_dead": (15.0, 5.0), "square": (30.0, 5.0)}
@@ -149,7 +161,10 @@ def set_parameters(config: coordinator.CoordinatorConfig, parameters: Mapping[st
     """Keys as in SEARCH, "section.key" of the coordinator's section ``control``."""
     for key, value in parameters.items():
         section, name = key.split(".")
-        setattr(getattr(config.control, section), name, value)
+        if section in BASELINES:
+            config.control.set_law_parameter(section, name, value)
+        else:
+            setattr(getattr(config.control, section), name, value)
 
 
 def current_parameters(name: str) -> dict[str, float]:
@@ -158,8 +173,12 @@ def current_parameters(name: str) -> dict[str, float]:
         Scenario.load(data.path("scenarios/line.yaml")).robot().coordinator_file
     ).coordinator
     Driving(name).apply(config)
-    keys = (key.split(".") for key in SEARCH[name])
-    return {f"{section}.{key}": getattr(getattr(config.control, section), key) for section, key in keys}
+    keys = (key.split(".") for key in search_ranges(name))
+    return {f"{section}.{key}": _parameter(config.control, section, key) for section, key in keys}
+
+
+def _parameter(config: control.FollowerConfig, section: str, key: str) -> float:
+    return config.law_parameters(section)[key] if section in BASELINES else getattr(getattr(config, section), key)
 
 
 def tune(name: str, trials: int, seed: int, on_trial: Callable[[int, int], None] | None = None) -> Tuned:
@@ -174,7 +193,7 @@ def tune(name: str, trials: int, seed: int, on_trial: Callable[[int, int], None]
 
     def objective(trial: optuna.Trial) -> float:
         parameters = {
-            key: trial.suggest_float(key, span.low, span.high, log=True) for key, span in SEARCH[name].items()
+            key: trial.suggest_float(key, span.low, span.high, log=True) for key, span in search_ranges(name).items()
         }
         return trial_cost(parameters)
 

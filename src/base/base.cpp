@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pilotfish/core/sections.hpp"
+
 namespace pilotfish::base {
 namespace {
 
@@ -41,11 +43,7 @@ std::string_view to_string(BaseState state) noexcept {
 }
 
 void Base::check(const BaseConfig& config) {
-  check_ranges(config, "");
-  check_ranges(config.wheels, "wheels");
-  check_ranges(config.limits, "limits");
-  check_ranges(config.commands, "commands");
-  check_ranges(config.serial, "serial");
+  check_tree(config, "");
   if (std::find(std::begin(kBauds), std::end(kBauds), config.serial.baud) != std::end(kBauds)) return;
   std::string known;
   for (const int baud : kBauds) known += " " + std::to_string(baud);

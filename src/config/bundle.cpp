@@ -46,9 +46,9 @@ void check_tuning_is_used(const YAML::Node& tuning, const control::FollowerConfi
   for (const auto& entry : tuning) {
     const std::string section = entry.first.as<std::string>();
     if (control::uses_section(config, section)) continue;
-    const bool fuzzy = config.active_law == control::Law::fuzzy;
+    const bool fuzzy = config.active_law == control::kFuzzyLaw;
     throw ConfigError(kTuningOption, "'" + section + "' has no effect on " + (fuzzy ? "profile " : "law ") +
-                                         std::string(fuzzy ? to_string(config.profile) : to_string(config.active_law)) +
+                                         (fuzzy ? std::string(to_string(config.profile)) : config.active_law) +
                                          "; choose the --law or --profile that the file is for, or another file");
   }
 }
@@ -87,7 +87,7 @@ std::string local_name(std::size_t index, const ConfigText& file) {
 }  // namespace
 
 void apply(const ConfigOverrides& overrides, control::FollowerConfig& config) {
-  if (overrides.law) config.active_law = control::law_from(*overrides.law);
+  if (overrides.law) control::set_active_law(config, *overrides.law);
   if (overrides.profile) config.profile = control::profile_from(*overrides.profile);
   if (!overrides.tuning) return;
   load_tuning(*overrides.tuning, config);

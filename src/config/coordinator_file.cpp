@@ -7,41 +7,23 @@
 namespace pilotfish::config {
 namespace {
 
-/// Reads section `key` into every struct given (they share the section's keys), if the section is there.
-template <class... Config>
-void read_section(YamlSection& parent, const std::string& key, Config&... configs) {
-  if (!parent.optional(key)) return;
-  YamlSection section = parent.section(key);
-  (section.read(configs), ...);
+void read_camera(YamlSection root, CoordinatorConfig& config) {
+  config.camera = parse_calibration(root.file("calibration"));
+  root.read_section("mounting", config.mounting);
+  root.finish();
+}
+
+void read_law(YamlSection& parent, control::LawDescription& law) {
+  if (!parent.optional(law.name)) return;
+  YamlSection section = parent.section(law.name);
+  for (control::LawParameter& each : law.parameters)
+    if (section.optional(each.key)) each.value = section.number(each.key, each.min, each.max);
   section.finish();
 }
 
-void read_camera(YamlSection root, CoordinatorConfig& config) {
-  config.camera = parse_calibration(root.file("calibration"));
-  read_section(root, "mounting", config.mounting);
-  root.finish();
-}
-
-void read_vision(YamlSection root, vision::LeaderObserverConfig& config) {
-  root.read(config);
-  root.read(config.detector);
-  root.read(config.gates);
-  root.read(config.pose);
-  read_section(root, "heading", config.heading);
-  read_section(root, "track", config.track);
-  root.finish();
-}
-
 void read_control(YamlSection root, control::FollowerConfig& config) {
-  read_section(root, "velocity", config.velocity);
-  read_section(root, "heading", config.heading);
-  read_section(root, "limits", config.limits);
-  read_section(root, "anticipate", config.anticipate);
-  read_section(root, "leader_motion", config.leader_motion);
-  read_section(root, "drive", config.drive);
-  read_section(root, "announcement", config.announcement);
-  read_section(root, "pbvs", config.pbvs);
-  read_section(root, "pid", config.pid);
+  root.read_tree(config);
+  for (control::LawDescription& law : config.laws) read_law(root, law);
   root.finish();
 }
 
@@ -113,7 +95,7 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   if (root.optional("announcements_from"))
     file.announcements_from = announcements_from(root.text("announcements_from"));
   if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
-  if (root.optional("law")) config.control.active_law = control::law_from(root.text("law"));
+  if (root.optional("law")) control::set_active_law(config.control, root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
   if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);
   config.control.velocity.control_period_s = config.control.drive.latency_s = 1.0 / file.frame_rate_hz;
@@ -121,12 +103,12 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   read_camera(root.section("camera"), config);
   config.leader = parse_leader_body(root.file("leader"));
   config.control.law = parse_fuzzy_controller(root.file("fuzzy"));
-  read_section(root, "setpoint", config.setpoint);
-  if (root.optional("vision")) read_vision(root.section("vision"), config.vision);
+  root.read_section("setpoint", config.setpoint);
+  root.read_section("vision", config.vision);
   if (root.optional("tuning")) parse_tuning(root.file("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
-  read_section(root, "safety", config.safety);
-  read_section(root, "black_box", file.black_box);
+  root.read_section("safety", config.safety);
+  root.read_section("black_box", file.black_box);
   check_black_box(root, file.black_box);
   check_frame_rate(root, file);
   root.finish();

@@ -1,56 +1,103 @@
 #include "pilotfish/config/describe.hpp"
 
-#include <sstream>
-
-#include "describe_tables.hpp"
+#include "description.hpp"
+#include "pilotfish/config/base_file.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
 
 namespace pilotfish::config {
+namespace {
+
+constexpr const char* kRules =
+    "Unknown keys are errors. An angle `x_rad` may be written `x_deg`. Paths are relative to the file.\n";
+
+ConfigDescription coordinator_description() {
+  CoordinatorConfig defaults;
+  SectionDescription top{"", "", {}};
+  const std::vector<std::string> laws = control::law_names(defaults.control);
+  KeyDescription frame_rate{"frame_rate_hz",
+                            KeyDescription::Type::number,
+                            "30",
+                            1.0,
+                            1000.0,
+                            "frames per second expected of the source",
+                            false,
+                            {}};
+  top.keys = {
+      required_key("name", "the robot's name on the bus: letters, digits, underscores"),
+      text_key("source", "lcm", "where frames come from: camera:N, video:FILE, images:DIR, lcm[:CHANNEL], log:FILE"),
+      frame_rate,
+      text_key("odometry", "none", "the own twist: none (from the own commands), or pose (measured, on NAME_POSE)",
+               {"none", "pose"}),
+      text_key("announcements_from", "none",
+               "the leader's name on the bus, to hear what it announces on LEADER_MOTION"),
+      text_key(
+          "key_file", "",
+          "64 hex digits that only their owner may read: commands carry a MAC made with this key, and setpoints are "
+          "believed only with one"),
+      text_key("law", "fuzzy", "fuzzy, or a baseline to compare it with", laws),
+      text_key("profile", "anticipate", "how the fuzzy law drives: as published, or around a feed-forward",
+               {"paper", "anticipate"}),
+      text_key("tuning", "", "file: keys of `control`, as `pilotfish tune` writes them; those in `control` win"),
+      required_key("camera.calibration", "file: OpenCV's calibration YAML or ViSP's camera XML"),
+      required_key("leader", "file: the tags the leader wears"),
+      required_key("fuzzy", "file: fuzzy sets and rules"),
+  };
+  ConfigDescription description = {top};
+  describe_tree(description, "camera.mounting", defaults.mounting);
+  describe_tree(description, "", defaults);
+  for (const control::LawDescription& law : defaults.control.laws) describe_law(description, law);
+  describe_tree(description, "black_box", BlackBoxConfig{});
+  return description;
+}
+
+ConfigDescription base_description() {
+  const BaseFile defaults;
+  SectionDescription top{"", "", {}};
+  top.keys = {
+      required_key("name", "the robot's name on the bus: letters, digits, underscores"),
+      text_key("driver", "dry_run", "what turns the wheels: dry_run, simulator or serial:DEVICE"),
+      text_key(
+          "key_file", "",
+          "64 hex digits that only their owner may read: commands, and setpoints that resume, must carry a MAC made "
+          "with this key"),
+  };
+  describe_keys(top.keys, defaults.base);
+  ConfigDescription description = {top};
+  describe_tree(description, "", defaults.base);
+  description.erase(description.begin() + 1);  // the base's own numbers stand at the top level
+  return description;
+}
+
+}  // namespace
 
 std::string describe_config() {
-  std::ostringstream out;
-  out << "# Configuration of a coordinator\n\n"
-         "Made by `pilotfish-coordinator --describe-config` from the tables that read and check the file.\n"
-         "Unknown keys are errors. An angle `x_rad` may be written `x_deg`. Paths are relative to the file.\n\n"
-         "## Top level\n\n| key | default | meaning |\n|---|---|---|\n"
-         "| `name` | required | the robot's name on the bus: letters, digits, underscores |\n"
-         "| `source` | lcm | where frames come from: camera:N, video:FILE, images:DIR, lcm[:CHANNEL], log:FILE |\n"
-         "| `frame_rate_hz` | 30 | frames per second expected of the source, 1 to 1000 |\n"
-         "| `odometry` | none | the own twist: none (from the own commands), or pose (measured, on NAME_POSE) |\n"
-         "| `announcements_from` | none | the leader's name on the bus, to hear what it announces on LEADER_MOTION |\n"
-         "| `key_file` | none | 64 hex digits that only their owner may read: commands carry a MAC made with this key, "
-         "and "
-         "setpoints are believed only with one |\n"
-         "| `law` | fuzzy | fuzzy, or a peer to compare it with: pbvs (ViSP's visual servo), pid |\n"
-         "| `profile` | anticipate | how the fuzzy law drives: paper (as published) or anticipate |\n"
-         "| `tuning` | none | file: keys of `control`, as `pilotfish tune` writes them; those in `control` win |\n"
-         "| `camera.calibration` | required | file: OpenCV's calibration YAML or ViSP's camera XML |\n"
-         "| `leader` | required | file: the tags the leader wears |\n"
-         "| `fuzzy` | required | file: fuzzy sets and rules |\n";
-  describe_section<CameraMounting>(out, "camera.mounting");
-  describe_section<Setpoint>(out, "setpoint");
-  describe_section<vision::LeaderObserverConfig, vision::TagDetectorConfig, vision::TagGates, vision::LeaderPoseConfig>(
-      out, "vision");
-  describe_section<vision::HeadingFilterConfig>(out, "vision.heading");
-  describe_section<vision::LeaderTrackConfig>(out, "vision.track");
-  describe_section<control::FuzzyVelocityConfig>(out, "control.velocity");
-  describe_section<control::HeadingControllerConfig>(out, "control.heading");
-  describe_section<control::LimitsConfig>(out, "control.limits");
-  describe_section<control::AnticipateConfig>(out, "control.anticipate");
-  describe_section<control::LeaderMotionConfig>(out, "control.leader_motion");
-  describe_section<control::DriveModelConfig>(out, "control.drive");
-  describe_section<control::AnnouncementConfig>(out, "control.announcement");
-  describe_section<control::PbvsConfig>(out, "control.pbvs");
-  describe_section<control::PidConfig>(out, "control.pid");
-  describe_section<SafetyConfig>(out, "safety");
-  describe_section<BlackBoxConfig>(out, "black_box");
-  out << "\n# A leader's file\n\n"
+  ConfigDescription leader;
+  describe_tree(leader, "tags", BodyTag{});
+  return "# Configuration of a coordinator\n\n"
+         "Made by `pilotfish-coordinator --describe-config` from the tables that read and check the file;\n"
+         "`--describe-config=json` prints the same as a JSON schema.\n" +
+         std::string(kRules) + as_markdown(coordinator_description()) +
+         "\n# A leader's file\n\n"
          "`name`, `family` (tag36h11, ...) and a list `tags`; `id`, `size_m`, `position_m` and `facing_deg` of each "
          "are "
-         "required.\n";
-  describe_section<BodyTag>(out, "tags");
-  return out.str();
+         "required.\n" +
+         as_markdown(leader);
+}
+
+std::string describe_config_as_json_schema() {
+  return as_json_schema("Configuration of a Pilotfish coordinator", coordinator_description());
+}
+
+std::string describe_base_config() {
+  return "# Configuration of the wheels' process\n\n"
+         "Made by `pilotfish-base --describe-config` from the tables that read and check the file;\n"
+         "`--describe-config=json` prints the same as a JSON schema.\n" +
+         std::string(kRules) + as_markdown(base_description());
+}
+
+std::string describe_base_config_as_json_schema() {
+  return as_json_schema("Configuration of a Pilotfish base", base_description());
 }
 
 }  // namespace pilotfish::config

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "pilotfish/core/sections.hpp"
 #include "pilotfish/core/utime.hpp"
 
 namespace pilotfish::control {
@@ -19,19 +20,21 @@ Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
 
 }  // namespace
 
-std::string_view to_string(Law law) noexcept {
-  switch (law) {
-    case Law::fuzzy: return "fuzzy";
-    case Law::pbvs: return "pbvs";
-    case Law::pid: return "pid";
-  }
-  return "unknown";
+std::vector<std::string> law_names(const FollowerConfig& config) {
+  std::vector<std::string> names = {kFuzzyLaw};
+  for (const LawDescription& law : config.laws) names.push_back(law.name);
+  return names;
 }
 
-Law law_from(std::string_view name) {
-  for (Law law : {Law::fuzzy, Law::pbvs, Law::pid})
-    if (name == to_string(law)) return law;
-  throw ConfigError("law", "'" + std::string(name) + "' is not a law; choose fuzzy, pbvs or pid");
+void set_active_law(FollowerConfig& config, const std::string& name) {
+  const std::vector<std::string> names = law_names(config);
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    std::string choices;
+    for (const std::string& each : names)
+      choices += (choices.empty() ? "" : each == names.back() ? " or " : ", ") + each;
+    throw ConfigError("law", "'" + name + "' is not a law; choose " + choices);
+  }
+  config.active_law = name;
 }
 
 std::string_view to_string(Profile profile) noexcept {
@@ -53,11 +56,7 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
     return std::find(names.begin(), names.end(), section) != names.end();
   };
   if (is_one_of({"limits", "drive"})) return true;
-  switch (config.active_law) {
-    case Law::pbvs: return section == "pbvs";
-    case Law::pid: return section == "pid";
-    case Law::fuzzy: break;
-  }
+  if (config.active_law != kFuzzyLaw) return section == config.active_law;
   return is_one_of({"velocity", "heading"}) ||
          (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_motion", "announcement"}));
 }
@@ -65,20 +64,15 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
 Follower::Follower(FollowerConfig config)
     : config_(std::move(config)),
       own_(config_.drive, config_.limits),
-      pbvs_(config_.pbvs),
-      pid_(config_.pid, config_.limits),
       leader_(config_.leader_motion),
       announced_(config_.announcement) {
-  check_ranges(config_.velocity, "control.velocity");
-  check_ranges(config_.heading, "control.heading");
-  check_ranges(config_.limits, "control.limits");
-  check_ranges(config_.anticipate, "control.anticipate");
-  check_ranges(config_.leader_motion, "control.leader_motion");
-  check_ranges(config_.drive, "control.drive");
-  check_ranges(config_.announcement, "control.announcement");
-  check_ranges(config_.pbvs, "control.pbvs");
-  check_ranges(config_.pid, "control.pid");
-  fuzzy::prove(config_.law);
+  check_tree(config_, "control");
+  for (LawDescription& law : config_.laws)
+    for (const LawParameter& parameter : law.parameters) set_parameter(law, parameter.key, parameter.value);
+  set_active_law(config_, config_.active_law);
+  for (const LawDescription& law : config_.laws)
+    if (law.name == config_.active_law) other_law_ = law.make(law.parameters, config_.limits);
+  if (!other_law_ || !config_.law.rules.consequents.empty()) fuzzy::prove(config_.law);
 }
 
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
@@ -97,12 +91,11 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
 }
 
 Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output) {
-  const Twist published = as_published(observation, setpoint, dt_s, output);
-  switch (config_.active_law) {
-    case Law::pbvs: return pbvs_.follow(observation, setpoint);
-    case Law::pid: return pid_.follow(observation, setpoint, dt_s);
-    case Law::fuzzy: break;
+  if (other_law_) {
+    if (!config_.law.rules.consequents.empty()) as_published(observation, setpoint, dt_s, output);  // to compare with
+    return other_law_->follow(observation, setpoint, dt_s);
   }
+  const Twist published = as_published(observation, setpoint, dt_s, output);
   return config_.profile == Profile::anticipate ? anticipated(observation, setpoint, published, dt_s, output)
                                                 : published;
 }
@@ -175,7 +168,7 @@ void Follower::restart_on_new_clock() noexcept {
 void Follower::forget_leader() noexcept {
   leader_.reset();
   announced_.reset();
-  pid_.restart();
+  if (other_law_) other_law_->restart();
   last_utime_.reset();
   last_error_m_.reset();
   last_command_ = Twist{};

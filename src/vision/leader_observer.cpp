@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "pilotfish/core/sections.hpp"
 #include "search_region.hpp"
 
 namespace pilotfish::vision {
@@ -160,11 +161,7 @@ LeaderObserver::LeaderObserver(const CameraModel& camera, const CameraMounting& 
   camera.validate();
   check_ranges(mounting, "camera.mounting");
   body.validate();
-  check_ranges(config, "vision");
-  check_ranges(config.gates, "vision");
-  check_ranges(config.pose, "vision");
-  check_ranges(config.heading, "vision.heading");
-  check_ranges(config.track, "vision.track");
+  check_tree(config, "vision");
   decimation_ = config.detector.decimation > 0.0
                     ? config.detector.decimation
                     : decimation_for(smallest_cell_px(camera, body, patterns_, config.acquisition_range_m));

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from pilotfish import coordinator, tuning
 from pilotfish import data as shipped
 from pilotfish.cli import app
-from pilotfish.harness.driving import PEERS, PROFILES
+from pilotfish.harness.driving import BASELINES, PROFILES
 
 
 def config():
@@ -30,12 +30,12 @@ def test_what_happens_before_the_start_is_over_is_no_error_but_overshoot_counts_
     assert tuning.cost(synthetic_run(time_s, error_m), 2.0) == pytest.approx(0.040 / 0.020)
 
 
-@pytest.mark.parametrize("name", PROFILES + PEERS)
+@pytest.mark.parametrize("name", PROFILES + BASELINES)
 def test_every_searched_parameter_is_one_of_the_coordinator_s_and_starts_inside_its_range(name):
     found = tuning.current_parameters(name)
-    assert set(found) == set(tuning.SEARCH[name])
+    assert set(found) == set(tuning.search_ranges(name))
     for key, value in found.items():
-        assert tuning.SEARCH[name][key].low <= value <= tuning.SEARCH[name][key].high, key
+        assert tuning.search_ranges(name)[key].low <= value <= tuning.search_ranges(name)[key].high, key
 
 
 def test_a_search_repeats_with_its_seed_improves_on_the_start_and_is_read_back(tmp_path, monkeypatch):
@@ -46,10 +46,10 @@ def test_a_search_repeats_with_its_seed_improves_on_the_start_and_is_read_back(t
     assert first.cost <= first.cost_before
     control = coordinator.load_tuning(first.write(tmp_path / "pbvs.yaml"), config().control)
     for key, value in first.parameters.items():
-        assert getattr(control.pbvs, key.split(".")[1]) == pytest.approx(value, rel=1e-5)
+        assert control.law_parameters("pbvs")[key.split(".")[1]] == pytest.approx(value, rel=1e-5)
 
 
-@pytest.mark.parametrize("name", PEERS)
+@pytest.mark.parametrize("name", BASELINES)
 def test_the_shipped_tunings_are_read_and_were_all_searched_alike(name):
     file = shipped.path(f"tuned/{name}.yaml")
     coordinator.load_tuning(file, config().control)

@@ -8,12 +8,14 @@
 #include <string_view>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/base/command_guard.hpp"
 #include "pilotfish/base/diff_drive.hpp"
 #include "pilotfish/base/stop_latch.hpp"
 #include "pilotfish/base/wheel_limits.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// What a serial line's speed can be [baud].
@@ -34,6 +36,15 @@ struct BaseConfig {
   CommandGuardConfig commands;
   SerialConfig serial;
   static const std::vector<Parameter<BaseConfig>>& parameters();
+
+  template <class Visit>
+  static void sections(Visit&& visit) {  ///< see core/sections.hpp
+    using C = BaseConfig;
+    visit("wheels", &C::wheels);
+    visit("limits", &C::limits);
+    visit("commands", &C::commands);
+    visit("serial", &C::serial);
+  }
 };
 
 /// What the wheels' process is doing; base_t's STATE_ numbers.
@@ -88,3 +99,4 @@ class Base {
 };
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

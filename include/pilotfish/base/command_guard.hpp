@@ -5,11 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// A command as it came off the bus, where its mac has been checked.
@@ -90,3 +92,4 @@ class CommandGuard {
 };
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/monotonic.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// Whether the motor controller hears us. What proves it is its echo of a sequence number that was sent not long ago: a
@@ -38,3 +40,4 @@ class ControllerLink {
 };
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

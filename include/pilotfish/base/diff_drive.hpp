@@ -4,10 +4,12 @@
 #include <optional>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// Two driven wheels on one axle.
@@ -66,3 +68,4 @@ class WheelOdometry {
 };
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/base/diff_drive.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 // The text on the line to the motor controller; docs/base-serial-protocol.md is its description for those who write the
@@ -79,3 +81,4 @@ class ControllerParser {
 };
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// A setpoint as it came off the bus; only what concerns the wheels.
@@ -41,3 +44,4 @@ class StopLatch {
 };
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

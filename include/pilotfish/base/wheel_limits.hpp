@@ -2,10 +2,12 @@
 
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/base/diff_drive.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// What the wheels are allowed, whoever asks. Meant a little wider than the coordinator's own limits, so that the
@@ -28,3 +30,4 @@ Twist limit(const WheelLimitsConfig& limits, const DriveGeometry& geometry, cons
             double dt_s) noexcept;
 
 }  // namespace pilotfish::base
+PILOTFISH_API_END

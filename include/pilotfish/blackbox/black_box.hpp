@@ -5,9 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/config/bundle.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::blackbox {
 
 /// What is known before the first call.
@@ -76,3 +78,4 @@ class BlackBox {
 std::string program_description();
 
 }  // namespace pilotfish::blackbox
+PILOTFISH_API_END

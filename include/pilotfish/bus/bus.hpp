@@ -7,11 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/bus/encoded_image.hpp"
 #include "pilotfish/bus/key.hpp"
 #include "pilotfish/bus/last_words.hpp"
 #include "pilotfish/bus/reports.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
 /// Default: this host alone (ttl=0), with the largest receive buffer a stock kernel may grant.
@@ -99,3 +101,4 @@ class Bus {
 };
 
 }  // namespace pilotfish::bus
+PILOTFISH_API_END

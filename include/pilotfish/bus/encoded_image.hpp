@@ -6,9 +6,11 @@
 #include <string_view>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/monotonic.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
 /// A picture as it came: type, sizes, format and time are checked, and not one pixel has been decoded. So whoever
@@ -34,3 +36,4 @@ std::optional<Frame> decode(const EncodedImage& image, std::string_view& rejecti
 std::optional<Frame> decode(const EncodedImage& image, ImageSize expected, std::string_view& rejection);
 
 }  // namespace pilotfish::bus
+PILOTFISH_API_END

@@ -6,6 +6,9 @@
 #include <string>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
 /// What commands and setpoints are authenticated with, shared by all who may speak. Wiped when it goes.
@@ -42,3 +45,4 @@ bool has_right_mac(const Key& key, std::string_view channel, const void* encoded
 std::int64_t new_session_id();
 
 }  // namespace pilotfish::bus
+PILOTFISH_API_END

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
 /// One message, encoded while all is well, that a dying process can still send: from a signal handler or
@@ -29,3 +32,4 @@ class LastWords {
 };
 
 }  // namespace pilotfish::bus
+PILOTFISH_API_END

@@ -4,8 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
 /// The images of one channel in a file written by lcm-logger, oldest first.
@@ -29,3 +31,4 @@ class LogReader {
 };
 
 }  // namespace pilotfish::bus
+PILOTFISH_API_END

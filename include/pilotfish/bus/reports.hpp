@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
 /// pilotfish.command_t, out and in.
@@ -111,3 +113,4 @@ struct MotionReport {
 };
 
 }  // namespace pilotfish::bus
+PILOTFISH_API_END

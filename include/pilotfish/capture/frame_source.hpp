@@ -8,8 +8,10 @@
 #include <string>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::capture {
 
 /// A source that cannot be opened. The message says what was tried and what to do about it.
@@ -55,3 +57,4 @@ inline constexpr std::array<std::string_view, 9> kPictureSuffixes = {".png", ".j
 std::unique_ptr<FrameSource> open_images(const std::string& directory, double frame_rate_hz);
 
 }  // namespace pilotfish::capture
+PILOTFISH_API_END

@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <string>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/base/base.hpp"
 #include "pilotfish/config/text_file.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// What turns the wheels.
@@ -34,5 +36,7 @@ BaseFile parse_base(const TextFile& file);
 
 /// Every key of that file as Markdown: docs/base-configuration.md.
 std::string describe_base_config();
+std::string describe_base_config_as_json_schema();
 
 }  // namespace pilotfish::config
+PILOTFISH_API_END

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/config/files.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// What the command line said instead of the configuration, as far as the core can tell.
@@ -36,3 +38,4 @@ ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverri
 CoordinatorFile load_bundle(const ConfigBundle& bundle);
 
 }  // namespace pilotfish::config
+PILOTFISH_API_END

@@ -4,12 +4,14 @@
 #include <string>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/config/text_file.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/fuzzy/rule_base.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 // Each load_x(path) is parse_x(read_text_file(path)).
@@ -69,3 +71,4 @@ CoordinatorFile load_coordinator(const std::filesystem::path& file);
 CoordinatorFile parse_coordinator(const TextFile& file);
 
 }  // namespace pilotfish::config
+PILOTFISH_API_END

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <string>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/rule_base.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// A controller written in fuzzylite's language (FLL, as of fuzzylite 6 and pyfuzzylite 8): one engine of two inputs,
@@ -24,3 +26,4 @@ std::string to_fll(const fuzzy::Controller& controller);
 std::string to_yaml(const fuzzy::Controller& controller);
 
 }  // namespace pilotfish::config
+PILOTFISH_API_END

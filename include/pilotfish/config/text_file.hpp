@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <string>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// The largest configuration, calibration, leader, controller or scenario that is read: some fifty times the largest
@@ -21,3 +24,4 @@ struct TextFile {
 TextFile read_text_file(const std::filesystem::path& path, const std::string& key = "file");
 
 }  // namespace pilotfish::config
+PILOTFISH_API_END

@@ -8,10 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/config/text_file.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/sections.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// The YAML in a text. Throws ConfigError with `key` if there is none, or if it is nested without end.
@@ -71,6 +74,29 @@ class YamlSection {
     }
   }
 
+  /// read() of the whole tree (core/sections.hpp): a section that is not there leaves its defaults. Asks for no unknown
+  /// keys in this section itself: finish() does.
+  template <class Config>
+  void read_tree(Config& config) {
+    if constexpr (kHasParameters<Config>) read(config);
+    if constexpr (kHasSections<Config>)
+      Config::sections([&](const std::string& name, auto member) {
+        if (name.empty()) {
+          read_tree(config.*member);
+        } else {
+          read_section(name, config.*member);
+        }
+      });
+  }
+  /// read_tree() of a section, if it is there, and nothing else in it.
+  template <class Config>
+  void read_section(const std::string& name, Config& config) {
+    if (!optional(name)) return;
+    YamlSection part = section(name);
+    part.read_tree(config);
+    part.finish();
+  }
+
   /// Call when done: throws ConfigError naming the first key that was never asked for, with the keys that exist.
   void finish() const;
 
@@ -92,3 +118,4 @@ class YamlSection {
 };
 
 }  // namespace pilotfish::config
+PILOTFISH_API_END

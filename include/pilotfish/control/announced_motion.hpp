@@ -5,10 +5,12 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// How much a leader's own word counts.
@@ -91,3 +93,4 @@ class AnnouncedMotion {
 };
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// The paper's law around a feed-forward of the leader's motion. It acts on a predicted error, without the delay of the
@@ -62,3 +64,4 @@ Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, cons
                    const LeaderMotion& leader, const Twist& wanted) noexcept;
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

@@ -1,32 +1,28 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/control/announced_motion.hpp"
 #include "pilotfish/control/anticipating_law.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/heading_controller.hpp"
+#include "pilotfish/control/law.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/control/own_motion.hpp"
-#include "pilotfish/control/pbvs_law.hpp"
-#include "pilotfish/control/pid_law.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// Which law drives: the fuzzy one, or one of the peers it is compared with.
-enum class Law {
-  fuzzy,  ///< the paper's, as its profile says
-  pbvs,   ///< ViSP's position-based visual servo
-  pid,    ///< PID on distance and bearing
-};
-std::string_view to_string(Law law) noexcept;
-/// Throws ConfigError listing the laws.
-Law law_from(std::string_view name);
+inline constexpr const char* kFuzzyLaw = "fuzzy";
 
 /// How the fuzzy law drives.
 enum class Profile {
@@ -39,26 +35,41 @@ Profile profile_from(std::string_view name);
 
 struct FollowerConfig {
   Profile profile = Profile::anticipate;
-  fuzzy::Controller law;  ///< must have passed fuzzy::prove
+  fuzzy::Controller law;  ///< the fuzzy one; may be left empty where another law drives
   FuzzyVelocityConfig velocity;
   HeadingControllerConfig heading;
   LimitsConfig limits;
   AnticipateConfig anticipate;
   LeaderMotionConfig leader_motion;
   DriveModelConfig drive;
-  Law active_law = Law::fuzzy;
-  PbvsConfig pbvs;
-  PidConfig pid;
+  std::string active_law = kFuzzyLaw;  ///< or the name of one of `laws`
+  std::vector<LawDescription> laws = built_in_laws();
   FieldOfView view;  ///< of the camera, for the guard of `anticipate`
   AnnouncementConfig announcement;
+
+  template <class Visit>
+  static void sections(Visit&& visit) {  ///< see core/sections.hpp; those of `laws` come besides
+    using C = FollowerConfig;
+    visit("velocity", &C::velocity);
+    visit("heading", &C::heading);
+    visit("limits", &C::limits);
+    visit("anticipate", &C::anticipate);
+    visit("leader_motion", &C::leader_motion);
+    visit("drive", &C::drive);
+    visit("announcement", &C::announcement);
+  }
 };
 
+/// What may drive: the fuzzy law, and config.laws.
+std::vector<std::string> law_names(const FollowerConfig& config);
+/// Throws ConfigError, key `law`, listing them.
+void set_active_law(FollowerConfig& config, const std::string& name);
 /// Whether a section of the configuration's `control` has an effect on what drives: `pid` has none on the fuzzy law.
 bool uses_section(const FollowerConfig& config, std::string_view section) noexcept;
 
 struct FollowerOutput {
   Twist command;  ///< within the limits
-  /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. A peer does not
+  /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. Another law does not
   /// listen.
   VelocityCommand velocity;
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
@@ -97,8 +108,8 @@ class Follower {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.own_, self.pid_, self.leader_, self.announced_, self.last_utime_, self.last_error_m_,
-            self.last_command_);
+    archive(self.own_, self.leader_, self.announced_, self.last_utime_, self.last_error_m_, self.last_command_);
+    if (self.other_law_) self.other_law_->remember(archive);
   }
 
  private:
@@ -116,8 +127,7 @@ class Follower {
 
   FollowerConfig config_;
   OwnMotion own_;
-  PbvsLaw pbvs_;
-  PidLaw pid_;
+  std::unique_ptr<Law> other_law_;  ///< that drives instead of the fuzzy one; none: the fuzzy one drives
   LeaderMotionEstimator leader_;
   AnnouncedMotion announced_;
   std::optional<std::int64_t> last_utime_;
@@ -126,3 +136,4 @@ class Follower {
 };
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

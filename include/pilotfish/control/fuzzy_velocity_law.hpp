@@ -2,9 +2,11 @@
 
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/fuzzy/mamdani.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// Physical meaning of the normalised universes [-1, 1].
@@ -37,3 +39,4 @@ VelocityCommand fuzzy_velocity(const fuzzy::Controller& controller, const FuzzyV
                                double dt_s, double distance_sigma_m = 0.0);
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 struct HeadingControllerConfig {
@@ -15,3 +17,4 @@ struct HeadingControllerConfig {
 double heading_turn_rate(const HeadingControllerConfig& config, double bearing_rad, double bearing_setpoint_rad);
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

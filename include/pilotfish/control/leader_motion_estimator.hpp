@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// How leaders move. Each of the three is a random walk of the velocity and of the turn rate: in a time t they change
@@ -107,3 +109,4 @@ struct LeaderMotion {
 LeaderMotion seen_from(const Pose2& own, const LeaderEstimate& leader) noexcept;
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 struct LimitsConfig {
@@ -19,3 +21,4 @@ struct LimitsConfig {
 Twist limit(const LimitsConfig& config, const Twist& wanted, const Twist& previous, double dt_s);
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

@@ -4,10 +4,12 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// How late the wheels do what they are told.
@@ -97,3 +99,4 @@ class OwnMotion {
 };
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

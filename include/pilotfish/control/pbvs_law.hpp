@@ -2,11 +2,14 @@
 
 #include <memory>
 
+#include "pilotfish/api.hpp"
+#include "pilotfish/control/law.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// ViSP's adaptive gain, lambda(x) = (zero - infinity) exp(-slope x / (zero - infinity)) + infinity, of the norm x of
@@ -18,17 +21,17 @@ struct PbvsConfig {
   static const std::vector<Parameter<PbvsConfig>>& parameters();
 };
 
-/// A peer of the fuzzy law: ViSP's position-based visual servo of a unicycle on the coordinates X and Z of a 3D point,
-/// as in ViSP's tutorial for a mobile robot with an AprilTag (mbot-apriltag-pbvs). The point is the leader's base
-/// origin, seen by a camera in the coordinator's own origin, so that it works on the same numbers as the other laws.
-class PbvsLaw {
+/// A baseline for the fuzzy law: ViSP's position-based visual servo of a unicycle on the coordinates X and Z of a 3D
+/// point, as in ViSP's tutorial for a mobile robot with an AprilTag (mbot-apriltag-pbvs). The point is the leader's
+/// base origin, seen by a camera in the coordinator's own origin, so that it works on the same numbers as the other
+/// laws. In builds with the component `visp` only.
+class PbvsLaw final : public Law {
  public:
-  explicit PbvsLaw(const PbvsConfig& config);
-  ~PbvsLaw();
-  PbvsLaw(PbvsLaw&&) noexcept;
+  PbvsLaw(const PbvsConfig& config, const LimitsConfig& limits);
+  ~PbvsLaw() override;
 
   /// The wanted twist, not yet limited. Not finite if ViSP throws, which the coordinator answers by standing still.
-  Twist follow(const Observation& observation, const Setpoint& setpoint) noexcept;
+  Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept override;
 
  private:
   struct Task;
@@ -36,3 +39,4 @@ class PbvsLaw {
 };
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

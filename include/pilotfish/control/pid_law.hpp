@@ -2,10 +2,13 @@
 
 #include <optional>
 
+#include "pilotfish/api.hpp"
+#include "pilotfish/control/law.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
 /// Gains of two independent PID controllers. The speeds they ask for are limited like those of every law.
@@ -20,21 +23,19 @@ struct PidConfig {
   static const std::vector<Parameter<PidConfig>>& parameters();
 };
 
-/// A peer of the fuzzy law: PID on the distance and on the bearing, with a filtered derivative of the measurement and
-/// an integral that stands still while the output is saturated (clamping, Astrom and Hagglund, Advanced PID
+/// A baseline for the fuzzy law: PID on the distance and on the bearing, with a filtered derivative of the measurement
+/// and an integral that stands still while the output is saturated (clamping, Astrom and Hagglund, Advanced PID
 /// Control, 3.5).
-class PidLaw {
+class PidLaw final : public Law {
  public:
   PidLaw(const PidConfig& config, const LimitsConfig& limits) : config_(config), limits_(limits) {}
 
   /// The wanted twist, not yet limited in acceleration; dt_s since the last call.
-  Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept;
-  void restart() noexcept { distance_ = bearing_ = Axis{}; }
+  Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept override;
+  void restart() noexcept override { distance_ = bearing_ = Axis{}; }
 
-  template <class Self, class Archive>
-  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.distance_, self.bearing_);
-  }
+  void remember(CheckpointWriter& archive) const override { archive(distance_, bearing_); }
+  void remember(CheckpointReader& archive) override { archive(distance_, bearing_); }
 
  private:
   struct Axis {
@@ -55,3 +56,4 @@ class PidLaw {
 };
 
 }  // namespace pilotfish::control
+PILOTFISH_API_END

@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/control/follower.hpp"
 #include "pilotfish/coordinator/frame_timeline.hpp"
 #include "pilotfish/coordinator/frozen_camera.hpp"
@@ -15,6 +16,7 @@
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 struct SafetyConfig {
@@ -40,6 +42,15 @@ struct CoordinatorConfig {
   control::FollowerConfig control;
   SafetyConfig safety;
   Setpoint setpoint;
+
+  template <class Visit>
+  static void sections(Visit&& visit) {  ///< see core/sections.hpp; camera and leader are files of their own
+    using C = CoordinatorConfig;
+    visit("setpoint", &C::setpoint);
+    visit("vision", &C::vision);
+    visit("control", &C::control);
+    visit("safety", &C::safety);
+  }
 };
 
 /// What one frame led to: status and reason, the measurement, the law's inner life, the command.
@@ -144,3 +155,4 @@ class Coordinator {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/status.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// What a frame's stamp is worth.
@@ -107,3 +109,4 @@ class FrameTimeline {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// Notices a camera that gives the same picture again and again, with new stamps: a sensor's noise makes two pictures
@@ -34,3 +36,4 @@ class FrozenCamera {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

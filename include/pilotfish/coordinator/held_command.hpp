@@ -2,10 +2,12 @@
 
 #include <cstdint>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// What holds at some instant between two frames.
@@ -36,3 +38,4 @@ struct HeldCommand {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

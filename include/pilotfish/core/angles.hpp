@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 inline constexpr double kPi = 3.14159265358979323846;
@@ -16,3 +19,4 @@ inline double wrap_angle(double angle_rad) {
 }
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <utility>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// A list of at most N values that lives where it is declared: what goes through the control loop with every frame must
@@ -46,3 +49,4 @@ class BoundedVector {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// A pinhole camera with Brown-Conrady distortion, exactly OpenCV's model (k1, k2, p1, p2, k3). ViSP's
@@ -49,3 +51,4 @@ struct CameraMounting {
 Eigen::Isometry3d base_from_camera(const CameraMounting& mounting);
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -8,8 +8,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -137,3 +139,4 @@ void CheckpointReader::operator()(T&... values) {
 }
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -5,8 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/status.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// Gray pixels that somebody else owns. Pixel (u, v) is data[v * stride_bytes + u]; its CENTRE is at image coordinates
@@ -43,3 +45,4 @@ struct Frame {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// One tag on a robot. Its own frame: origin in the centre of the black square, x right and y down as one reads it, z
@@ -45,3 +47,4 @@ struct LeaderBody {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -2,6 +2,9 @@
 
 #include <cstdint>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// An instant on this host's monotonic clock, which nobody can set: what ages are measured on. A type of its own, so
@@ -26,3 +29,4 @@ std::int64_t unsuspended_now_us() noexcept;
 std::int64_t wall_utime() noexcept;
 
 }  // namespace pilotfish
+PILOTFISH_API_END

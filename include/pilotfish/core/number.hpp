@@ -4,6 +4,9 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// The whole text as a decimal number, whatever the locale says; nothing if anything else stands there ("640abc", "",
@@ -18,3 +21,4 @@ std::optional<Value> number_from(std::string_view text) {
 }
 
 }  // namespace pilotfish
+PILOTFISH_API_END

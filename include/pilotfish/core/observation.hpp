@@ -6,9 +6,11 @@
 #include <optional>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/leader_body.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// One tag of the leader in one picture.
@@ -74,3 +76,4 @@ struct Observation {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -2,9 +2,11 @@
 
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// A pose on the ground.
@@ -35,3 +37,4 @@ Pose2 move_along_arc(const Pose2& pose, const Twist& twist, double dt_s);
 double follow_set_value(double& v, double& r, double target, double max_acceleration, double tau, double t);
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -5,6 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// The content of a file, or why it was not read and what is wanted instead.
@@ -19,3 +22,4 @@ struct FileRead {
 FileRead read_file(const std::filesystem::path& file, std::size_t max_bytes);
 
 }  // namespace pilotfish
+PILOTFISH_API_END

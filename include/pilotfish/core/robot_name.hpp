@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// The one rule for a robot's name: 1 to 32 letters, digits and underscores. Channels, files and services are named
@@ -11,3 +14,4 @@ void check_robot_name(const std::string& name, const std::string& key);
 std::string channel_word(const std::string& robot);
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <string_view>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// What a SequenceGuard says of a message.
@@ -76,3 +78,4 @@ class SetpointGate {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -2,9 +2,11 @@
 
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// No leader is kept further to the side: there the robot's speed changes the distance by less than cos(70 deg) = 0.34
@@ -20,3 +22,4 @@ struct Setpoint {
 };
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -2,6 +2,9 @@
 
 #include <string_view>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// What the coordinator is doing. Exactly one holds at any time; only `tracking` and `coasting` may move the robot.
@@ -49,3 +52,4 @@ std::string_view to_string(Status status) noexcept;
 std::string_view to_string(Reason reason) noexcept;
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// Velocity of a unicycle in its own base frame: forward speed and turn rate (positive: to the left).
@@ -19,3 +22,4 @@ inline bool operator==(const Twist& a, const Twist& b) {
 }
 
 }  // namespace pilotfish
+PILOTFISH_API_END

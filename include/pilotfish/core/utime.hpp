@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// Two times off a wire may be farther apart than an int64 can say, so they are subtracted as doubles: exact to the
@@ -23,3 +26,4 @@ inline std::int64_t later_s(std::int64_t utime, double seconds) noexcept {
 }
 
 }  // namespace pilotfish
+PILOTFISH_API_END

@@ -2,8 +2,10 @@
 
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/linguistic_variable.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// Area and first moment of a membership function over an interval: int mu du and int u mu du.
@@ -25,3 +27,4 @@ Moments clipped_union_moments(const LinguisticVariable& output, const double* he
 std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* heights);
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/mamdani.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// A rule that fires and how strongly: "IF E is NS AND EC is ZE THEN U is PM, 0.62".
@@ -32,3 +34,4 @@ std::vector<std::array<double, 2>> clipped_union_polyline(const LinguisticVariab
                                                           int bell_points = 24);
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

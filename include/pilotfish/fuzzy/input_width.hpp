@@ -1,7 +1,9 @@
 #pragma once
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/linguistic_variable.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// The shape of a fuzzified input A' around the measured value x, of width w:
@@ -23,3 +25,4 @@ double possibility(const LinguisticVariable& variable, const MembershipFunction&
                    WidthShape shape) noexcept;
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/membership.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// The most terms a variable may have. Inference works in arrays of this size, so that it never allocates.
@@ -50,3 +52,4 @@ class ProofError : public std::invalid_argument {
 void validate(const LinguisticVariable& variable);
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

@@ -2,9 +2,11 @@
 
 #include <array>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/input_width.hpp"
 #include "pilotfish/fuzzy/rule_base.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// What one inference says, with the reason: the strength of each of the 56 rules, eq. (4).
@@ -29,3 +31,4 @@ double infer_output(const Controller& controller, double error, double error_cha
                     const InputWidths& widths = {}) noexcept;
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

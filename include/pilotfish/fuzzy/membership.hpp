@@ -3,6 +3,9 @@
 #include <array>
 #include <variant>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// mu(x) = max(0, min((x - a)/(b - a), (c - x)/(c - b))), with a <= b <= c and a < c. A vertical side is
@@ -39,3 +42,4 @@ std::array<double, 2> support(const MembershipFunction& set) noexcept;
 void validate(const MembershipFunction& set);
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

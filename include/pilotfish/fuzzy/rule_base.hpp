@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/fuzzy/linguistic_variable.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// A complete table of rules "IF E is row AND EC is column THEN U is cell" (the paper's Table I), stored row by row.
@@ -57,3 +59,4 @@ inline constexpr double kMinCoverage = 1e-3;
 void prove(Controller& controller);
 
 }  // namespace pilotfish::fuzzy
+PILOTFISH_API_END

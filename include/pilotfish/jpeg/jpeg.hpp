@@ -5,8 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::jpeg {
 
 /// Quality at which an AprilTag's edges still have their sub-pixel position: at 95 the quantisation noise is
@@ -31,3 +33,4 @@ std::optional<Size> claimed_size(const std::uint8_t* data, std::size_t size_byte
 std::optional<std::vector<std::uint8_t>> decode(const std::uint8_t* data, std::size_t size_bytes, Size size);
 
 }  // namespace pilotfish::jpeg
+PILOTFISH_API_END

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
+
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// The pictures of one exposure that are out, and who has not answered yet: the bookkeeping of lock-step,
@@ -36,3 +39,4 @@ class AwaitedAnswers {
 };
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

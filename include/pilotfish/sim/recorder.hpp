@@ -4,8 +4,10 @@
 #include <ostream>
 #include <string>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/sim/world.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// The answer to one exposure, as the recording tells it.
@@ -21,3 +23,4 @@ void write_recording_header(std::ostream& csv);
 void write_recording_row(std::ostream& csv, const World& world, const std::string& robot, const Answer& answer);
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

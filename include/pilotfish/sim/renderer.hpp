@@ -4,9 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/sim/robot_body.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// What lies between an ideal picture and the one a camera delivers.
@@ -67,3 +69,4 @@ class Renderer {
 };
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

@@ -4,8 +4,10 @@
 #include <array>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/leader_body.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// What a robot looks like: a box, and tags that hang on it or beside it. Grays are in [0, 255].
@@ -37,3 +39,4 @@ inline constexpr double kSheetClearance_m = 0.005;
 std::vector<Surface> surfaces_of(const RobotBody& body);
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

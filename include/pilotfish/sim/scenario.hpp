@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/sim/renderer.hpp"
@@ -14,6 +15,7 @@
 #include "pilotfish/sim/trajectory.hpp"
 #include "pilotfish/sim/unicycle.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// When nobody can see a robot: for scenes in which the leader vanishes, or is covered for a while.
@@ -66,3 +68,4 @@ struct Scenario {
 };
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

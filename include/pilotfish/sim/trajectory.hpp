@@ -3,8 +3,10 @@
 #include <variant>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/sim/unicycle.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// A predetermined trajectory. Robots that have one are on rails: their pose at any time is the formula's,
@@ -81,3 +83,4 @@ using Trajectory = std::variant<Still, Line, Circle, FigureEight, Waypoints>;
 UnicycleState state_at(const Trajectory& trajectory, const Pose2& start, double time_s);
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

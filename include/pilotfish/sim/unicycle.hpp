@@ -2,10 +2,12 @@
 
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 #include "pilotfish/core/twist.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// Where a robot is and how fast it really moves.
@@ -51,3 +53,4 @@ class Unicycle {
 };
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/sim/scenario.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// Time zero of every world on the frames' clock [us]: not zero, which elsewhere means "never".
@@ -84,3 +86,4 @@ class World {
 Eigen::Isometry3d world_from_base(const Pose2& pose);
 
 }  // namespace pilotfish::sim
+PILOTFISH_API_END

@@ -4,10 +4,12 @@
 #include <array>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 struct HeadingFilterConfig {
@@ -72,3 +74,4 @@ class HeadingFilter {
 };
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

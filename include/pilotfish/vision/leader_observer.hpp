@@ -5,12 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/vision/heading_filter.hpp"
 #include "pilotfish/vision/leader_pose.hpp"
 #include "pilotfish/vision/leader_track.hpp"
 #include "pilotfish/vision/tag_detector.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 struct SearchRegion;
@@ -23,6 +25,16 @@ struct LeaderObserverConfig {
   HeadingFilterConfig heading;
   LeaderTrackConfig track;
   static const std::vector<Parameter<LeaderObserverConfig>>& parameters();  ///< its own: acquisition_range_m
+
+  template <class Visit>
+  static void sections(Visit&& visit) {  ///< see core/sections.hpp
+    using C = LeaderObserverConfig;
+    visit("", &C::detector);
+    visit("", &C::gates);
+    visit("", &C::pose);
+    visit("heading", &C::heading);
+    visit("track", &C::track);
+  }
 };
 
 /// Everything that was turned away since the start, by reason.
@@ -117,3 +129,4 @@ class LeaderObserver {
 };
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
@@ -10,6 +11,7 @@
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/tag_measurement.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 struct LeaderPoseConfig {
@@ -51,3 +53,4 @@ Reason judge(const PoseSolution& pose, const LeaderBody& body, const TagMeasurem
              const LeaderPoseConfig& config) noexcept;
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 struct LeaderTrackConfig {
@@ -52,3 +54,4 @@ class LeaderTrack {
 };
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

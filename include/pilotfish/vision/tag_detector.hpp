@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 struct TagDetectorConfig {
@@ -61,3 +63,4 @@ double decimation_for(double cell_px) noexcept;
 double coarser_decimation(double decimation) noexcept;
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

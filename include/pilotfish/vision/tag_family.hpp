@@ -5,8 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "pilotfish/api.hpp"
+
 struct apriltag_family;  // libapriltag's, a C struct
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 /// A tag as it is printed, one byte a cell (0 black, 255 white), row by row.
@@ -35,3 +38,4 @@ class TagFamily {
 };
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 /// Which tags are believed once they have been found. Defaults: docs/vision.md shows the data they come from.
@@ -64,3 +66,4 @@ Eigen::Matrix3d homography_from_corners(const CameraModel& camera,
 Eigen::Matrix3d homography_from_pose(const Eigen::Isometry3d& cMt, double size_m) noexcept;
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/vision/tag_family.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 /// A tag as print, in its own plane. Tag coordinates (x, y): the corners of the black square (AprilTag's "border") are
@@ -41,3 +43,4 @@ struct TagPattern {
 TagPattern make_pattern(const TagFamily& family, int id);
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

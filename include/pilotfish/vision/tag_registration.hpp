@@ -4,10 +4,12 @@
 #include <array>
 #include <optional>
 
+#include "pilotfish/api.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/vision/tag_pattern.hpp"
 
+PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
@@ -47,3 +49,4 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
                                          const Eigen::Matrix3d& nHt, const Appearance& start) noexcept;
 
 }  // namespace pilotfish::vision
+PILOTFISH_API_END

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from pilotfish.harness.driving import BASELINES, PROFILES
+
 
 def between(low: float, high: float, unit: str = "") -> Callable[[float | None], float | None]:
     """A callback that lets only numbers from low to high through; click's own ranges let NaN pass."""
@@ -38,10 +40,9 @@ class Profiles(str, Enum):
     both = "both"
 
 
-class Law(str, Enum):
-    fuzzy = "fuzzy"
-    pbvs = "pbvs"
-    pid = "pid"
+# Whatever laws there are can be chosen: see include/pilotfish/control/law.hpp.
+Law = Enum("Law", {name: name for name in ("fuzzy", *BASELINES)}, type=str)
+Tunable = Enum("Tunable", {name: name for name in (*PROFILES, *BASELINES)}, type=str)
 
 
 ProfileOption = Annotated[
@@ -55,7 +56,7 @@ ProfilesOption = Annotated[
     ),
 ]
 LawOption = Annotated[
-    Law, typer.Option(help="Drive with a peer instead: ViSP's visual servo or a PID, tuned as well as the fuzzy law.")
+    Law, typer.Option(help="Drive with a baseline instead, tuned as well as the fuzzy law.")
 ]
 TuningOption = Annotated[
     Path | None,

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress
-
-
-class Tunable(str, Enum):
-    paper = "paper"
-    anticipate = "anticipate"
-    pbvs = "pbvs"
-    pid = "pid"
+from pilotfish.cli.options import Tunable
 
 
 def tune(
-    law: Annotated[Tunable, typer.Argument(help="A profile of the fuzzy law, or a peer.")],
+    law: Annotated[Tunable, typer.Argument(help="A profile of the fuzzy law, or a baseline.")],
     trials: Annotated[
         int, typer.Option(min=1, max=1_000_000, help="Sets of parameters to try; some 0.7 s each.")
     ] = 200,

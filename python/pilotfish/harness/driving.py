@@ -9,7 +9,7 @@ from pilotfish import control, coordinator, data, fuzzy
 from pilotfish.errors import ConfigError
 
 PROFILES = ("paper", "anticipate")
-PEERS = ("pbvs", "pid")
+BASELINES = tuple(law.name for law in control.built_in_laws())
 
 
 @dataclass(frozen=True)
@@ -20,8 +20,8 @@ class Driving:
     tuning: Path | None = None  # parameters of the law, as ``pilotfish tune`` writes them; a peer has shipped ones
 
     def __post_init__(self) -> None:
-        if self.name not in PROFILES + PEERS:
-            raise ConfigError(f"'{self.name}' does not drive; choose {', '.join(PROFILES + PEERS)}")
+        if self.name not in PROFILES + BASELINES:
+            raise ConfigError(f"'{self.name}' does not drive; choose {', '.join(PROFILES + BASELINES)}")
         if self.tuning:  # refused here, before anything is started
             law = fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
             try:
@@ -32,7 +32,11 @@ class Driving:
     @property
     def tuning_file(self) -> Path | None:
         """What is read: the given one, or for a peer the shipped one."""
-        return self.tuning or (data.path(f"tuned/{self.name}.yaml") if self.name in PEERS else None)
+        return self.tuning or self._shipped_tuning()
+
+    def _shipped_tuning(self) -> Path | None:
+        file = data.path("tuned") / f"{self.name}.yaml"
+        return file if file.is_file() else None
 
     @property
     def law(self) -> str:

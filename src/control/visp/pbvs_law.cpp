@@ -47,11 +47,10 @@ struct PbvsLaw::Task {
   }
 };
 
-PbvsLaw::PbvsLaw(const PbvsConfig& config) : task_(std::make_unique<Task>(config)) {}
+PbvsLaw::PbvsLaw(const PbvsConfig& config, const LimitsConfig&) : task_(std::make_unique<Task>(config)) {}
 PbvsLaw::~PbvsLaw() = default;
-PbvsLaw::PbvsLaw(PbvsLaw&&) noexcept = default;
 
-Twist PbvsLaw::follow(const Observation& seen, const Setpoint& setpoint) noexcept {
+Twist PbvsLaw::follow(const Observation& seen, const Setpoint& setpoint, double) noexcept {
   try {
     Task& task = *task_;
     task.point.set_XYZ(-seen.distance_m * std::sin(seen.bearing_rad), 0.0,

@@ -1,0 +1,154 @@
+# A module is one folder of src/ with its public headers in include/pilotfish/<module>/, built as one library: target
+# pilotfish_<module>, for others pilotfish::<module>, and a component of the installed package.
+#
+#   pilotfish_module(vision MODULES core PUBLIC eigen PRIVATE apriltag)     what it may include and link
+#   ...
+#   pilotfish_build_modules("fuzzy;vision")                                 those, and what they stand on
+#
+# OPTIONAL visp: src/<module>/visp/ is built, with PILOTFISH_WITH_VISP defined, where the module visp is built too.
+#
+# PUBLIC and PRIVATE are names from PilotfishDependencies.cmake; what no wanted module needs is not looked for.
+#
+# What a module may include is what it links here, so the calls in the top CMakeLists.txt ARE the architecture: an arrow
+# that is not listed does not compile, because a target sees only the headers of the modules it names. To make that hold
+# although all headers lie below one include/ folder, every module gets a folder of its own in the build tree,
+# <build>/modules/<module>/pilotfish/<module>, that links to its headers and nothing else.
+include(PilotfishDependencies)
+
+function(pilotfish_module module)
+  cmake_parse_arguments(arg "" "" "MODULES;PUBLIC;PRIVATE;OPTIONAL" ${ARGN})
+  foreach(kind IN ITEMS MODULES PUBLIC PRIVATE OPTIONAL)
+    set_property(GLOBAL PROPERTY pilotfish_${module}_${kind} "${arg_${kind}}")
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY pilotfish_modules ${module})
+endfunction()
+
+# A macro: the targets of what is found belong to the caller's folder.
+macro(pilotfish_build_modules wanted)
+  pilotfish_closure("${wanted}" PILOTFISH_MODULES)
+  pilotfish_settle_options("${PILOTFISH_MODULES}")
+  foreach(module IN LISTS PILOTFISH_MODULES)
+    foreach(kind IN ITEMS PUBLIC PRIVATE)
+      get_property(names GLOBAL PROPERTY pilotfish_${module}_${kind})
+      foreach(name IN LISTS names)
+        pilotfish_require(${name} "module ${module}")
+      endforeach()
+    endforeach()
+  endforeach()
+  if("bus" IN_LIST PILOTFISH_MODULES OR "blackbox" IN_LIST PILOTFISH_MODULES)
+    include(PilotfishLcmTypes)
+  endif()
+  foreach(module IN LISTS PILOTFISH_MODULES)
+    pilotfish_add_library(${module})
+  endforeach()
+endmacro()
+
+# What is optional becomes private where the module of its name is built too.
+function(pilotfish_settle_options modules)
+  foreach(module IN LISTS modules)
+    get_property(names GLOBAL PROPERTY pilotfish_${module}_OPTIONAL)
+    foreach(name IN LISTS names)
+      if(name IN_LIST modules)
+        set_property(GLOBAL APPEND PROPERTY pilotfish_${module}_PRIVATE ${name})
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
+
+macro(pilotfish_require name for)
+  set(pilotfish_missing)
+  pilotfish_depend(${name} ${for})
+  if(pilotfish_missing)
+    message(FATAL_ERROR "${pilotfish_missing}\nTo build only what does without it, name the modules: "
+                        "-D PILOTFISH_COMPONENTS=\"fuzzy;vision\" (docs/library.md)")
+  endif()
+endmacro()
+
+# The wanted modules and those they stand on, in the order of their declaration.
+function(pilotfish_closure wanted result)
+  get_property(modules GLOBAL PROPERTY pilotfish_modules)
+  foreach(module IN LISTS wanted)
+    if(NOT module IN_LIST modules)
+      list(JOIN modules ", " there_is)
+      message(FATAL_ERROR "PILOTFISH_COMPONENTS: there is no '${module}'; choose from ${there_is}")
+    endif()
+  endforeach()
+  list(REVERSE modules)
+  foreach(module IN LISTS modules)
+    if(module IN_LIST wanted)
+      get_property(below GLOBAL PROPERTY pilotfish_${module}_MODULES)
+      list(APPEND wanted ${below})
+      list(PREPEND closure ${module})
+    endif()
+  endforeach()
+  set(${result} ${closure} PARENT_SCOPE)
+endfunction()
+
+function(pilotfish_targets_of names result)
+  foreach(name IN LISTS names)
+    list(APPEND targets ${pilotfish_targets_${name}})
+  endforeach()
+  set(${result} ${targets} PARENT_SCOPE)
+endfunction()
+
+function(pilotfish_add_library module)
+  foreach(kind IN ITEMS MODULES PUBLIC PRIVATE)
+    get_property(${kind} GLOBAL PROPERTY pilotfish_${module}_${kind})
+  endforeach()
+  set(target pilotfish_${module})
+  set(view ${PROJECT_BINARY_DIR}/modules/${module})
+  file(MAKE_DIRECTORY ${view}/pilotfish)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/include/pilotfish/${module} ${view}/pilotfish/${module} SYMBOLIC)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/include/pilotfish/api.hpp ${view}/pilotfish/api.hpp SYMBOLIC)
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${module}/*.cpp)
+  get_property(options GLOBAL PROPERTY pilotfish_${module}_OPTIONAL)
+  foreach(name IN LISTS options)
+    if(name IN_LIST PRIVATE)
+      file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${module}/${name}/*.cpp)
+      list(APPEND sources ${more})
+      string(TOUPPER PILOTFISH_WITH_${name} definition)
+      list(APPEND definitions ${definition})
+    endif()
+  endforeach()
+  pilotfish_targets_of("${PUBLIC}" public_targets)
+  pilotfish_targets_of("${PRIVATE}" private_targets)
+  list(TRANSFORM MODULES PREPEND pilotfish_ OUTPUT_VARIABLE below)
+  add_library(${target} ${sources})
+  target_compile_definitions(${target} PRIVATE ${definitions})
+  add_library(pilotfish::${module} ALIAS ${target})
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${view}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+                                       PRIVATE ${PROJECT_SOURCE_DIR}/src/${module})
+  target_link_libraries(${target} PUBLIC ${below} ${public_targets}
+                                  PRIVATE ${private_targets} $<BUILD_INTERFACE:pilotfish_warnings>)
+  if("lcm" IN_LIST PRIVATE)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:pilotfish_lcmtypes>)
+  endif()
+  # Before 1.0 every minor version may change the interface, so the name of the shared library carries it.
+  set_target_properties(${target} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX EXPORT_NAME ${module}
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+endfunction()
+
+# Warnings for our own code only; third-party headers come in as SYSTEM.
+add_library(pilotfish_warnings INTERFACE)
+target_compile_options(pilotfish_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                                                    -Wold-style-cast -Woverloaded-virtual)
+if(PILOTFISH_WERROR)
+  target_compile_options(pilotfish_warnings INTERFACE -Werror)
+endif()
+# A program needs only the libraries it really calls, although its modules' static libraries could call more.
+add_link_options(-Wl,--as-needed)
+if(PILOTFISH_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+if(PILOTFISH_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "PILOTFISH_FUZZ needs clang: -D CMAKE_C_COMPILER=clang -D CMAKE_CXX_COMPILER=clang++")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer
+                      -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=address,undefined)
+endif()

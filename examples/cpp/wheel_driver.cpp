@@ -1,0 +1,50 @@
+// Wheels of one's own that obey a coordinator: wheel_driver ROBOT [LCM_URL]. pilotfish-base does this, and more, for
+// differential drives; this is the least that is safe.
+
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <pilotfish/bus/bus.hpp>
+#include <pilotfish/core/monotonic.hpp>
+#include <pilotfish/core/session_guard.hpp>
+
+namespace {
+
+constexpr std::int64_t kDeadline_us = 100'000;  // then the wheels stand still by themselves
+
+void turn_wheels(const pilotfish::Twist& twist) {  // here belongs the motor controller
+  std::printf("v = %+.3f m/s, w = %+.3f rad/s\n", twist.linear_mps, twist.angular_radps);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc < 2) {
+    std::fprintf(stderr, "wheel_driver ROBOT [LCM_URL]\n");
+    return 64;
+  }
+  pilotfish::bus::Bus bus(argc > 2 ? argv[2] : "");
+  std::optional<pilotfish::SequenceGuard> guard;  // the first coordinator that speaks is obeyed, and no other
+  std::int64_t heard_us = 0;
+  bool moving = false;
+  bus.on_command(argv[1], [&](const pilotfish::bus::CommandReport& report) {
+    if (report.simulated || report.session == 0) return;  // not for real wheels
+    if (!guard) guard.emplace(report.session);
+    if (guard->accept(report.session, report.counter) != pilotfish::SequenceVerdict::accepted) return;
+    heard_us = bus.arrival().us;  // it may have waited since
+    moving = report.command.linear_mps != 0.0 || report.command.angular_radps != 0.0;
+    turn_wheels(report.command);
+  });
+  while (true) {
+    bus.handle(10);
+    if (moving && pilotfish::monotonic_now().us - heard_us > kDeadline_us - 15'000) {
+      moving = false;
+      turn_wheels({});
+    }
+  }
+} catch (const std::exception& error) {
+  turn_wheels({});
+  std::fprintf(stderr, "wheel_driver: %s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,22 @@
+"""A whole coordinator in a process of one's own: follow_without_lcm.py CONFIG FOLDER. Pictures in, speeds out; no bus."""
+
+import sys
+
+from pilotfish import capture, coordinator
+
+if len(sys.argv) != 3:
+    sys.exit(__doc__)
+file = coordinator.load_coordinator(sys.argv[1])
+pilot = coordinator.Coordinator(file.coordinator)
+
+for frame in capture.open_images(sys.argv[2], frame_rate_hz=file.frame_rate_hz):
+    # On a robot this is the monotonic clock, read when the picture arrives. Here time passes as the stamps say.
+    result = pilot.step(frame, now_us=frame.utime)
+    distance = f", d = {result.observation.distance_m:.3f} m" if result.observation else ""
+    print(
+        f"{frame.utime * 1e-6:.3f} s: {result.status.name:9} v = {result.command.linear_mps:+.3f} m/s, "
+        f"w = {result.command.angular_radps:+.3f} rad/s{distance}"
+    )
+# No picture for longer than a measurement lives: whoever drives wheels asks at every period, and is told to stop.
+end = pilot.command_at(now_us=frame.utime + 200_000)
+print(f"later:   {end.status.name:9} v = {end.command.linear_mps:+.3f} m/s")

@@ -1,0 +1,5 @@
+#pragma once
+
+/// Around the declarations of every public header: a shared library of Pilotfish shows these and hides the rest.
+#define PILOTFISH_API_BEGIN _Pragma("GCC visibility push(default)")
+#define PILOTFISH_API_END _Pragma("GCC visibility pop")

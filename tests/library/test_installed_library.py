@@ -1,0 +1,150 @@
+"""The library as a stranger uses it: installed, found by CMake and pkg-config, built against from other projects."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from build_tree import ROOT, run
+from installed import examples, prefix
+
+from pilotfish import data
+
+CONSUMER = Path(__file__).parent / "consumer"
+HEADERS = sorted(str(file.relative_to(ROOT / "include")) for file in (ROOT / "include").rglob("*.hpp"))
+EXAMPLES = sorted(file.stem for file in (ROOT / "examples/cpp").glob("*.cpp"))
+TWINS = sorted(file.stem for file in (ROOT / "examples/python").glob("*.py"))
+
+
+@pytest.fixture(scope="session")
+def pictures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pictures")
+    run(sys.executable, "-m", "pilotfish", "render", data.path("scenarios/line.yaml"), "--out", folder, "--frames", "5")
+    return folder
+
+
+def configure(source, build, *options, environment=None):
+    return subprocess.run(
+        ["cmake", "-S", str(source), "-B", str(build), "-G", "Ninja", *map(str, options)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | (environment or {}),
+    )
+
+
+def test_every_public_header_is_installed():
+    installed = {str(file.relative_to(prefix() / "include")) for file in (prefix() / "include").rglob("*.hpp")}
+    assert installed == set(HEADERS)
+
+
+def test_a_project_finds_the_component_that_it_names(tmp_path):
+    done = configure(CONSUMER, tmp_path, f"-DCMAKE_PREFIX_PATH={prefix()}", "-DCOMPONENTS=fuzzy")
+    assert done.returncode == 0, done.stderr
+    run("cmake", "--build", tmp_path)
+    assert run(tmp_path / "consumer") == "0.50\n"
+
+
+def test_a_component_that_is_not_there_is_named_beside_those_that_are(tmp_path):
+    done = configure(CONSUMER, tmp_path, f"-DCMAKE_PREFIX_PATH={prefix()}", "-DCOMPONENTS=fuzzi")
+    assert done.returncode != 0
+    assert "no component 'fuzzi', only core, fuzzy, vision" in " ".join(done.stderr.split())
+
+
+def test_the_source_tree_as_a_part_of_another_project_builds_what_that_asks_for_and_installs_nothing(tmp_path):
+    done = configure(
+        CONSUMER, tmp_path, f"-DPILOTFISH_SOURCE={ROOT}", "-DCOMPONENTS=fuzzy", "-DPILOTFISH_COMPONENTS=fuzzy"
+    )
+    assert done.returncode == 0, done.stderr
+    run("cmake", "--build", tmp_path)
+    assert run(tmp_path / "consumer") == "0.50\n"
+    run("cmake", "--install", tmp_path, "--prefix", tmp_path / "prefix")
+    assert not list((tmp_path / "prefix").rglob("*.hpp"))
+
+
+def test_pkg_config_is_enough_without_cmake(tmp_path):
+    environment = os.environ | {"PKG_CONFIG_PATH": str(prefix() / "lib/pkgconfig")}
+    flags = subprocess.run(
+        ["pkg-config", "--cflags", "--libs", "pilotfish-fuzzy"], capture_output=True, text=True, check=True, env=environment
+    ).stdout.split()
+    run("c++", "-std=c++17", CONSUMER / "consumer.cpp", *flags, "-o", tmp_path / "consumer")
+    assert run(tmp_path / "consumer") == "0.50\n"
+
+
+@pytest.mark.parametrize(
+    ("components", "there_is"), [("fuzzy", []), ("core", ["eigen3"]), ("fuzzy;vision", ["eigen3", "apriltag"])]
+)
+def test_what_a_component_does_not_need_is_not_needed_to_configure_it(tmp_path, components, there_is):
+    """A machine on which pkg-config knows nothing else, and CMake is told that the other packages are not there."""
+    absent = ["yaml-cpp", "spdlog", "CLI11", "nlohmann_json", "OpenCV", "VISP", "Threads"]
+    if "eigen3" not in there_is:
+        absent.append("Eigen3")
+    known = tmp_path / "pkgconfig"
+    known.mkdir()
+    for name in there_is:
+        folder = run("pkg-config", "--variable=pcfiledir", name).strip()
+        (known / f"{name}.pc").write_text((Path(folder) / f"{name}.pc").read_text())
+    done = configure(
+        ROOT,
+        tmp_path / "build",
+        f"-DPILOTFISH_COMPONENTS={components}",
+        *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in absent),
+        environment={"PKG_CONFIG_LIBDIR": str(known), "PKG_CONFIG_PATH": ""},
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("component", "absent", "package"),
+    [("core", "Eigen3", "libeigen3-dev"), ("config", "yaml-cpp", "libyaml-cpp-dev"), ("capture", "OpenCV", "libopencv-dev")],
+)
+def test_what_is_missing_is_named_with_its_debian_package(tmp_path, component, absent, package):
+    done = configure(
+        ROOT, tmp_path, f"-DPILOTFISH_COMPONENTS={component}", f"-DCMAKE_DISABLE_FIND_PACKAGE_{absent}=ON"
+    )
+    assert done.returncode != 0
+    assert f"apt-get install {package}" in " ".join(done.stderr.split())
+
+
+def test_a_component_that_does_not_exist_is_refused_by_name(tmp_path):
+    done = configure(ROOT, tmp_path, "-DPILOTFISH_COMPONENTS=visions")
+    assert done.returncode != 0
+    assert "there is no 'visions'; choose from core, fuzzy, vision" in " ".join(done.stderr.split())
+
+
+def test_every_example_is_short_and_has_a_twin():
+    for file in [*(ROOT / "examples/cpp").glob("*.cpp"), *(ROOT / "examples/python").glob("*.py")]:
+        assert len(file.read_text().splitlines()) < 60, file.name
+    assert set(EXAMPLES) - set(TWINS) <= {"visp_servo"}  # ViSP has no Python package on Debian
+    assert set(TWINS) <= set(EXAMPLES)
+
+
+def twin(name, *arguments):
+    return run(sys.executable, ROOT / f"examples/python/{name}.py", *arguments).splitlines()
+
+
+@pytest.mark.parametrize("name", ["fuzzy_controller", "own_law"])
+def test_the_twins_say_the_same(name):
+    said = run(examples() / name).splitlines()
+    assert said == twin(name)
+    assert len(said) >= 7
+
+
+def test_the_fuzzy_example_closes_its_gap_to_one_metre():
+    assert "1.0" in run(examples() / "fuzzy_controller").splitlines()[-1].split(" m behind")[0]
+
+
+def test_the_tracking_twins_see_the_tag_in_every_picture(pictures):
+    said = run(examples() / "track_images", pictures, 600, 0.16).splitlines()
+    assert said == twin("track_images", pictures, 600, 0.16)
+    assert len(said) == 5
+    assert all(" m, bearing " in line for line in said)
+
+
+def test_the_following_twins_drive_and_stop_when_the_pictures_do(pictures):
+    config = data.path("config/line.yaml")
+    said = run(examples() / "follow_without_lcm", config, pictures).splitlines()
+    assert said == twin("follow_without_lcm", config, pictures)
+    assert [line.split()[2] for line in said[:5]] == ["tracking"] * 5
+    assert said[-1] == "later:   lost      v = +0.000 m/s"
