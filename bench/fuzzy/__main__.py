@@ -1,6 +1,7 @@
-"""``python bench/fuzzy``: our inference against fuzzylite, pyfuzzylite and scikit-fuzzy, in one run.
+"""Our inference beside fuzzylite, pyfuzzylite and scikit-fuzzy.
 
-Needs libfuzzylite-dev, ``pip install -r bench/requirements.txt`` and a built tree; builds its C++ part itself.
+Takes: a minute.
+Needs libfuzzylite-dev, an environment with bench/requirements/fuzzy.txt and a built tree; builds its C++ part itself.
 """
 
 from __future__ import annotations

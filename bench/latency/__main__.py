@@ -1,8 +1,9 @@
-"""From a picture to the command that answers it, beside what LCM alone takes for the same picture.
+"""From a picture to the command that answers it, beside LCM alone with the same picture.
 
-python bench/latency                              8 minutes, on a computer that does nothing else
-python bench/latency --quick                      300 pictures to each: a look, not a result
-python bench/latency --condition busy --frames 1000
+Takes: 8 minutes; 1 with --quick.
+scripts/bench latency
+scripts/bench latency -- --quick                      300 pictures to each: a look, not a result
+scripts/bench latency -- --condition busy --frames 1000
 """
 
 from __future__ import annotations

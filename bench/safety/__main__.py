@@ -1,8 +1,9 @@
-"""How fast the wheels are told to stand still when something dies; what came of the goals.
+"""How fast the wheels are told to stand still when something dies.
 
-python bench/safety                                   everything; some 40 minutes, on a computer that does nothing else
-python bench/safety --quick                           20 repetitions of each
-python bench/safety --part base-deadline --kind stop --load idle
+Takes: 40 minutes; 2 with --quick.
+scripts/bench safety
+scripts/bench safety -- --quick                           20 repetitions of each
+scripts/bench safety -- --part base-deadline --kind stop --load idle
 """
 
 from __future__ import annotations

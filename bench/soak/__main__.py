@@ -1,8 +1,9 @@
-"""Hours of robot time with a fault every ten seconds; what came of the goals.
+"""A day of robot time with a fault every ten seconds.
 
-python bench/soak                                   24 h of robot time; half an hour on a computer that idles
-python bench/soak --hours 0.2 --rate-hz 30          twelve minutes of it
-python bench/soak --hours 0.05 --fault gray --fault second-coordinator
+Takes: half an hour; hours if the computer is busy.
+scripts/bench soak                                   24 h of robot time
+scripts/bench soak -- --hours 0.2 --rate-hz 30       twelve minutes of it
+scripts/bench soak -- --hours 0.05 --fault gray --fault second-coordinator
 """
 
 from __future__ import annotations
