@@ -1,6 +1,7 @@
-"""``python bench/bus``: what our receiver costs beside liblcm's own, for the same pictures from the same sender.
+"""Our receiver beside liblcm's own: the same pictures from the same sender.
 
-Needs a built tree and, for raw pictures, a kernel that grants a receive buffer of 4 MiB (``sysctl net.core.rmem_max``).
+Takes: 2 minutes.
+Needs, for raw pictures, a kernel that grants a receive buffer of 4 MiB (``sysctl net.core.rmem_max``).
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""Follows a leader in eight scenarios with four laws, on a rendered camera; what came of the goals.
+"""Four laws follow a leader in eight scenarios, on a rendered camera.
 
-python bench/following            5 seeds; some 40 minutes on one core
-python bench/following --quick    1 seed, drawn measurements instead of pictures; under a minute
+Takes: 40 minutes; 1 with --quick.
+scripts/bench following                   5 seeds
+scripts/bench following -- --quick        1 seed, drawn measurements instead of pictures
 """
 
 from __future__ import annotations

@@ -1,14 +1,17 @@
-"""``python bench/fuzzy``: our inference against fuzzylite, pyfuzzylite and scikit-fuzzy, in one run.
+"""Our inference beside fuzzylite, pyfuzzylite and scikit-fuzzy.
 
-Needs libfuzzylite-dev, ``pip install -r bench/requirements.txt`` and a built tree; builds its C++ part itself.
+Takes: a minute.
+Needs libfuzzylite-dev, an environment with bench/requirements/fuzzy.txt and a built tree; builds its C++ part itself.
 """
 
 from __future__ import annotations
 
 import platform
-import subprocess
+import sys
 from pathlib import Path
 from typing import Annotated
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `bench` is
 
 import typer
 from measure import Row, Width, as_json, batches, one_evaluation, table_error, widths
@@ -16,15 +19,15 @@ from picture import draw
 from rich.console import Console
 from rich.table import Table
 
+from bench.common.compiled import RELEASE, built
 from pilotfish import data, fuzzy
 
-ROOT = Path(__file__).parents[2]
 console = Console()
 
 
 def main(
     quick: Annotated[bool, typer.Option("--quick", help="A tenth of the rounds: a look, not a result.")] = False,
-    build: Annotated[Path, typer.Option(help="The build tree.")] = ROOT / "build" / "release",
+    build: Annotated[Path, typer.Option(help="The build tree.")] = RELEASE,
     out: Annotated[Path, typer.Option(help="Folder for fuzzy.json and fuzzy.png.")] = Path("out/bench"),
 ) -> None:
     """Time the shipped controller against its peers; print goals, ratios and what was met."""
@@ -32,7 +35,7 @@ def main(
     out.mkdir(parents=True, exist_ok=True)
     fll = out / "coordination.fll"
     fll.write_text(fuzzy.to_fll(controller))
-    rows = one_evaluation(_built(build), fll, 100 if quick else 1000)
+    rows = one_evaluation(built("fuzzy/fuzzy_benchmark", build), fll, 100 if quick else 1000)
     rows += batches(controller, 10 if quick else 100)
     error = table_error(controller)
     curve = widths(controller, quick)
@@ -42,12 +45,6 @@ def main(
     console.print(_width_table(curve))
     (out / "fuzzy.json").write_text(as_json(rows, error, curve, machine) + "\n")
     console.print(f"wrote {out / 'fuzzy.json'} and {draw(rows, curve, out / 'fuzzy.png')}")
-
-
-def _built(build: Path) -> Path:
-    subprocess.run(["cmake", "-D", "PILOTFISH_BENCH=ON", build], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", build, "--target", "fuzzy_benchmark"], check=True, stdout=subprocess.DEVNULL)
-    return build / "bench" / "fuzzy" / "fuzzy_benchmark"
 
 
 def _processor() -> str:

@@ -1,8 +1,9 @@
-"""From a picture to the command that answers it, beside what LCM alone takes for the same picture.
+"""From a picture to the command that answers it, beside LCM alone with the same picture.
 
-python bench/latency                              8 minutes, on a computer that does nothing else
-python bench/latency --quick                      300 pictures to each: a look, not a result
-python bench/latency --condition busy --frames 1000
+Takes: 8 minutes; 1 with --quick.
+scripts/bench latency
+scripts/bench latency -- --quick                      300 pictures to each: a look, not a result
+scripts/bench latency -- --condition busy --frames 1000
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from __future__ import annotations
 import json
 import os
 import platform
-import subprocess
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `bench` is
 
 import typer
 from figures import Row, goal_text, rows_of
@@ -21,7 +24,8 @@ from measure import CONDITIONS, RATE_HZ, Delays, measure
 from rich.console import Console
 from rich.table import Table
 
-ROOT = Path(__file__).resolve().parents[2]
+from bench.common.compiled import RELEASE, built
+
 console = Console(width=140)
 
 
@@ -29,9 +33,7 @@ def main(
     quick: Annotated[bool, typer.Option("--quick", help="300 pictures to each arm.")] = False,
     frames: Annotated[int, typer.Option(min=10, help="Pictures to each arm under each condition.")] = 3000,
     condition: Annotated[list[str] | None, typer.Option(help=f"Only this one of {', '.join(CONDITIONS)}.")] = None,
-    build: Annotated[Path, typer.Option(help="The build tree, for the plain liblcm program.")] = ROOT
-    / "build"
-    / "release",
+    build: Annotated[Path, typer.Option(help="The build tree, for the plain liblcm program.")] = RELEASE,
     out: Annotated[Path, typer.Option(help="Folder for latency.json.")] = Path("out"),
 ) -> None:
     """A picture is published: how long until the command that answers it, and how much of that is LCM?
@@ -48,7 +50,7 @@ def main(
     """
     if wrong := set(condition or ()) - set(CONDITIONS):
         raise typer.BadParameter(f"{', '.join(sorted(wrong))}: there is {', '.join(CONDITIONS)}")
-    bare_transport = _built(build)
+    bare_transport = built("latency/bare_transport", build)
     rows: list[Row] = []
     raw: list[dict[str, object]] = []
     for name in condition or CONDITIONS:
@@ -62,12 +64,6 @@ def main(
     report = {"machine": machine, "cores": os.cpu_count(), "rows": [asdict(row) for row in rows], "arms": raw}
     (out / "latency.json").write_text(json.dumps(report) + "\n")
     console.print(f"wrote {out / 'latency.json'}")
-
-
-def _built(build: Path) -> Path:
-    subprocess.run(["cmake", "-D", "PILOTFISH_BENCH=ON", build], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", build, "--target", "bare_transport"], check=True, stdout=subprocess.DEVNULL)
-    return build / "bench" / "latency" / "bare_transport"
 
 
 def _table(condition: str, rows: list[Row]) -> Table:

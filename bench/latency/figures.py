@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from bench.common.statistics import quantile
+
 if TYPE_CHECKING:
     from measure import Delays
 
@@ -28,12 +30,6 @@ class Row:
     to_same_bare: float  # p50 over that of LCM alone for the same message
     to_raw_bare: float  # and for the same picture raw
     met: bool
-
-
-def quantile(values: list[float], share: float) -> float:
-    """The least value that `share` of the values do not exceed; infinite without values."""
-    ordered = sorted(values)
-    return ordered[max(math.ceil(share * len(ordered)), 1) - 1] if ordered else math.inf
 
 
 def goal_text(condition: str) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import os
 import select
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -20,13 +19,11 @@ from pathlib import Path
 import lcm
 from ear import Ear, Heard
 
+from bench.common.processes import process, real_time, work
 from pilotfish import data, sim, wire
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, find_executable
 from pilotfish.harness.ports import private_lcm_url
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "safety"))
-from base_deadline import _process, _real_time, _work
 
 RATE_HZ = 30.0
 WARM_UP = 60  # pictures before those that count: until the leader is followed and the memory is there
@@ -111,7 +108,7 @@ def measure(condition: Condition, frames: int, bare_transport: Path) -> list[Del
     pictures = moving_leader()
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         for _ in range(condition.busy_loops):
-            stack.enter_context(_process(_work))
+            stack.enter_context(process(work))
         arms = []
         coordinator = [find_executable(COORDINATOR), "--config", data.path("config/line.yaml"), "--lcm-url"]
         for picture in pictures:
@@ -122,8 +119,8 @@ def measure(condition: Condition, frames: int, bare_transport: Path) -> list[Del
                 arms.append(_Arm(receiver, picture, pictures[picture], url))
                 stack.callback(arms[-1].ear.close)
         stack.enter_context(_on_cores(condition.sender_cores))
-        stack.callback(_real_time, 0)
-        _real_time(SENDER_PRIORITY)
+        stack.callback(real_time, 0)
+        real_time(SENDER_PRIORITY)
         _show(arms, frames)
         return [arm.delays() for arm in arms]
 

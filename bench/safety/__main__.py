@@ -1,8 +1,9 @@
-"""How fast the wheels are told to stand still when something dies; what came of the goals.
+"""How fast the wheels are told to stand still when something dies.
 
-python bench/safety                                   everything; some 40 minutes, on a computer that does nothing else
-python bench/safety --quick                           20 repetitions of each
-python bench/safety --part base-deadline --kind stop --load idle
+Takes: 40 minutes; 2 with --quick.
+scripts/bench safety
+scripts/bench safety -- --quick                           20 repetitions of each
+scripts/bench safety -- --part base-deadline --kind stop --load idle
 """
 
 from __future__ import annotations
@@ -10,16 +11,21 @@ from __future__ import annotations
 import json
 import os
 import platform
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `bench` is
+
 import typer
-from base_deadline import KINDS, Deadline, measure, quantile
+from base_deadline import KINDS, Deadline, measure
 from loss_deadline import FAULTS, Loss
 from loss_deadline import measure as measure_loss
 from rich.console import Console
 from rich.table import Table
+
+from bench.common.statistics import quantile
 
 console = Console(width=120)
 LOADS = {"idle": 0, "busy": 4}

@@ -7,16 +7,14 @@ real line adds the time that 20 bytes need on it (2 ms at 115200 baud).
 
 from __future__ import annotations
 
-import math
-import multiprocessing
 import os
 import random
 import select
 import signal
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -24,6 +22,7 @@ import lcm
 import yaml
 from serial_line import SerialLine
 
+from bench.common.processes import process, real_time, work
 from pilotfish import data
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import BASE, find_executable
@@ -53,11 +52,6 @@ class Deadline:
     moved_after: int = 0  # lines that move the wheels behind the first zero
 
 
-def quantile(values: list[float], share: float) -> float:
-    ordered = sorted(values)
-    return ordered[min(math.ceil(share * len(ordered)), len(ordered)) - 1]
-
-
 def measure(kind: str, repetitions: int, *, busy_loops: int = 0) -> Deadline:
     """Many times, with one pilotfish-base. Raises HarnessError if the wheels cannot be made to turn."""
     rng = random.Random(8)
@@ -66,13 +60,13 @@ def measure(kind: str, repetitions: int, *, busy_loops: int = 0) -> Deadline:
         line, url = SerialLine(), private_lcm_url()
         stack.callback(line.close)
         for _ in range(busy_loops):
-            stack.enter_context(_process(_work))
+            stack.enter_context(process(work))
         base = stack.enter_context(Child(_command(Path(folder), line.device, url), Path(folder), "base"))
-        stack.callback(_real_time, 0)
-        _real_time(10)
+        stack.callback(real_time, 0)
+        real_time(10)
         wheels = _Wheels(line, url, base)
         wheels.wait(lambda: bool(wheels.session), "pilotfish-base did not speak")
-        sender = stack.enter_context(_process(_send, url, wheels.session))
+        sender = stack.enter_context(process(_send, url, wheels.session))
         for _ in range(repetitions):
             wheels.wait(lambda: wheels.moving, "the wheels do not turn")
             wheels.watch(rng.uniform(0.05, 0.15))
@@ -84,7 +78,7 @@ def measure(kind: str, repetitions: int, *, busy_loops: int = 0) -> Deadline:
             wheels.watch(0.06)
             deadline.moved_after += wheels.moved_after
             sender.kill()  # one that was stopped, too: what it would send next belongs to nobody
-            sender = stack.enter_context(_process(_send, url, wheels.session))
+            sender = stack.enter_context(process(_send, url, wheels.session))
     return deadline
 
 
@@ -140,20 +134,8 @@ def _command(folder: Path, device: str, url: str) -> list[str | Path]:
     return [find_executable(BASE), "--config", file, "--driver", f"serial:{device}", "--lcm-url", url]
 
 
-@contextmanager
-def _process(target: Callable[..., None], *arguments: object) -> Iterator[multiprocessing.process.BaseProcess]:
-    """As quickly begun as ended: a fork."""
-    process = multiprocessing.get_context("fork").Process(target=target, args=arguments, daemon=True)
-    process.start()
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.join()
-
-
 def _send(url: str, base_session: int) -> None:
-    _real_time(10)
+    real_time(10)
     bus = lcm.LCM(url)
     message = command_t()
     message.mac = bytes(32)
@@ -165,16 +147,3 @@ def _send(url: str, base_session: int) -> None:
         bus.publish("ROBOT1_COMMAND", message.encode())
         next_s = max(next_s + 1 / COMMANDS_PER_S, time.monotonic())
         time.sleep(max(next_s - time.monotonic(), 0.0))
-
-
-def _work() -> None:
-    """Nothing but work."""
-    while True:
-        pass
-
-
-def _real_time(priority: int) -> None:
-    """What measures, and what sends as a coordinator's thread does, must not wait for a core: the base is measured."""
-    policy = os.SCHED_FIFO if priority else os.SCHED_OTHER
-    with suppress(PermissionError):
-        os.sched_setscheduler(0, policy, os.sched_param(priority))

@@ -17,8 +17,9 @@ from pathlib import Path
 import lcm
 import numpy as np
 import yaml
-from base_deadline import _process, _real_time, _work
 
+from bench.common.configuration import shipped_coordinator
+from bench.common.processes import process, real_time, work
 from pilotfish import bus, data, sim
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, find_executable
@@ -49,12 +50,12 @@ def measure(fault: str, repetitions: int, *, rate_hz: float = 30.0, busy_loops: 
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         url = private_lcm_url()
         for _ in range(busy_loops):
-            stack.enter_context(_process(_work))
+            stack.enter_context(process(work))
         command = [find_executable(COORDINATOR), "--config", _config(Path(folder), rate_hz), "--lcm-url", url]
         child = stack.enter_context(Child(command, Path(folder), "coordinator"))
         child.wait_until(lambda: "ready:" in child.stdout(), 20.0, "being ready")
-        stack.callback(_real_time, 0)
-        _real_time(10)
+        stack.callback(real_time, 0)
+        real_time(10)
         camera = _Camera(url, rate_hz, child)
         for _ in range(repetitions):
             camera.drive(rng.randrange(3, 8))
@@ -148,12 +149,8 @@ class _Camera:
 
 def _config(folder: Path, rate_hz: float) -> Path:
     """The shipped configuration; a slow camera's with a longer life of measurements and less speed."""
-    source = data.path("config/line.yaml")
-    config = yaml.safe_load(source.read_text())
+    config = shipped_coordinator()
     config["frame_rate_hz"] = rate_hz
-    config["camera"]["calibration"] = str((source.parent / config["camera"]["calibration"]).resolve())
-    for key in ("leader", "fuzzy"):
-        config[key] = str((source.parent / config[key]).resolve())
     if rate_hz < 12.0:
         config["safety"] = {"max_age_s": 0.25}
         config["control"]["limits"]["max_linear_mps"] = 0.24

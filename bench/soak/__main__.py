@@ -1,8 +1,9 @@
-"""Hours of robot time with a fault every ten seconds; what came of the goals.
+"""A day of robot time with a fault every ten seconds.
 
-python bench/soak                                   24 h of robot time; half an hour on a computer that idles
-python bench/soak --hours 0.2 --rate-hz 30          twelve minutes of it
-python bench/soak --hours 0.05 --fault gray --fault second-coordinator
+Takes: half an hour; hours if the computer is busy.
+scripts/bench soak                                   24 h of robot time
+scripts/bench soak -- --hours 0.2 --rate-hz 30       twelve minutes of it
+scripts/bench soak -- --hours 0.05 --fault gray --fault second-coordinator
 """
 
 from __future__ import annotations
@@ -11,10 +12,13 @@ import json
 import os
 import platform
 import signal
+import sys
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `bench` is
 
 import pictures
 import typer
@@ -26,6 +30,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from rich.table import Table
 from robot import Robot
 from run import Soak, soak
+
+from bench.common.statistics import quantile
 
 console = Console(width=120)
 _HOUR_S = 3600.0
@@ -100,8 +106,7 @@ def _fault_table(found: Soak) -> Table:
     for column in ("what happens", "times", "stood", "p50", "p99", "max", "wheels, max"):
         table.add_column(column, justify="left" if column == "what happens" else "right")
     for kind, values in recoveries(found).items():
-        ordered = sorted(values)
-        at = [ordered[min(int(share * len(ordered)), len(ordered) - 1)] for share in (0.5, 0.99, 1.0)]
+        at = [quantile(values, share) for share in (0.5, 0.99, 1.0)]
         those = [played for played in found.played if played.kind == kind and not played.disturbed]
         wheels_s, stood = max(played.wheels_s for played in those), sum(played.stood for played in those)
         times = f"{len(values)}", f"{stood}", *(f"{value:.3f}" for value in (*at, wheels_s))

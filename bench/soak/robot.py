@@ -18,6 +18,7 @@ import lcm
 import yaml
 from pictures import Message, Pictures
 
+from bench.common.configuration import shipped_coordinator
 from pilotfish import bus, data, operating
 from pilotfish.core import Status
 from pilotfish.harness.child import Child
@@ -209,12 +210,8 @@ class Robot:
 
     def _coordinator_config(self, key_file: Path) -> Path:
         """The shipped configuration, with a key, at the camera's rate, and listening to the leader's announcements."""
-        source = data.path("config/line.yaml")
-        config = yaml.safe_load(source.read_text())
+        config = shipped_coordinator()
         config |= {"frame_rate_hz": self.rate_hz, "key_file": str(key_file), "announcements_from": "leader"}
-        config["camera"]["calibration"] = str((source.parent / config["camera"]["calibration"]).resolve())
-        for key in ("leader", "fuzzy"):
-            config[key] = str((source.parent / config[key]).resolve())
         file = self.folder / "coordinator.yaml"
         file.write_text(yaml.safe_dump(config))
         return file

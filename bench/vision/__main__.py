@@ -1,4 +1,7 @@
-"""`python bench/vision`: Pilotfish's eye beside its peers, on the same frames in the same run."""
+"""Pilotfish's eye beside ViSP, AprilTag and OpenCV's ArUco, on the same frames.
+
+Takes: 10 to 20 minutes; 1 with --quick.
+"""
 
 import os
 import sys
@@ -13,4 +16,4 @@ sys.path[0] = str(Path(__file__).resolve().parents[2])
 if __name__ == "__main__":
     from bench.vision.cli import app
 
-    app(prog_name="python bench/vision")
+    app(prog_name="scripts/bench vision --")

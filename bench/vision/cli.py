@@ -1,4 +1,4 @@
-"""The command line of `python bench/vision`."""
+"""The command line of `scripts/bench vision`."""
 
 from __future__ import annotations
 
@@ -51,14 +51,11 @@ def main(
     into build/bench when they are missing. Prints what every eye made of every sequence, then one row a goal.
 
     \b
-    Before the first run
-      .venv/bin/pip install -r bench/requirements.txt
-    \b
     Examples
-      .venv/bin/python bench/vision                            everything, 10 to 20 minutes
-      .venv/bin/python bench/vision --quick                    a few frames of everything
-      .venv/bin/python bench/vision --part drive --part lens   these alone
-      .venv/bin/python bench/vision --part without-leader --frames-without-leader 100000
+      scripts/bench vision                               everything, 10 to 20 minutes
+      scripts/bench vision -- --quick                    a few frames of everything
+      scripts/bench vision -- --part drive --part lens   these alone
+      scripts/bench vision -- --part without-leader --frames-without-leader 100000
     """
     effort = QUICK if quick else Effort()
     if frames_without_leader is not None:

@@ -12,7 +12,6 @@ call, in a process of their own (wheels.py).
 from __future__ import annotations
 
 import multiprocessing
-import sys
 from dataclasses import dataclass
 from types import ModuleType
 
@@ -87,7 +86,7 @@ class Wheels:
         self._made = 0
         versions = self._pipe.recv()
         if isinstance(versions, Exception):
-            raise PeersError(f"{versions}; run: {sys.executable} -m pip install -r bench/requirements.txt")
+            raise PeersError(f"{versions}; scripts/bench vision makes the environment with it")
         self.versions: dict[str, str] = versions
 
     def __enter__(self) -> Wheels:
