@@ -62,6 +62,13 @@ def test_a_zero_is_a_zero_at_once(told):
     assert limited((0.0, 0.0), told, dt_s=0.0) == (0.0, 0.0)
 
 
+def test_while_time_goes_back_or_stands_still_nothing_changes_but_to_zero():
+    for dt_s in (0.0, -1.0):
+        assert limited((0.7, -2.0), told=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
+        assert limited((0.1, 0.1), told=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
+        assert limited((0.0, 0.0), told=(0.2, 0.5), dt_s=dt_s) == (0.0, 0.0)
+
+
 @given(st.floats(-0.2, 0.7), st.floats(-2.0, 2.0))
 def test_a_wheel_too_fast_slows_both_down_and_keeps_the_curvature(v, w):
     # The wheels' limit binds: 5 rad/s are 0.25 m/s.
