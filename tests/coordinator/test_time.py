@@ -359,7 +359,7 @@ def test_the_third_picture_in_a_row_with_the_same_pixels_moves_nothing():
     assert step(heart, PICTURES[10], 100).status == Status.tracking, "it has come back to life"
 
 
-@pytest.mark.parametrize("ring", [2, 4, 8])
+@pytest.mark.parametrize("ring", [2, 4, 8, 16])
 def test_a_driver_that_goes_round_its_ring_of_old_buffers_is_frozen_as_well(ring):
     heart = coordinator.Coordinator(CONFIG)
     results = [step(heart, PICTURES[k % ring], k) for k in range(60)]
@@ -372,6 +372,21 @@ def test_one_gray_level_in_one_pixel_is_a_living_camera():
         image = PICTURES[0].copy()
         image[(37 * k) % 480, (101 * k) % 640] ^= 1
         assert step(heart, image, k).reason != Reason.camera_frozen
+
+
+@pytest.mark.parametrize("width", [633, 637, 639])
+def test_the_pixels_behind_the_last_whole_word_of_a_row_count_as_well(width):
+    """Words have 8 pixels, and 632 are 79 of them. Only the last pixel of the last row changes: a living camera."""
+    config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
+    camera = config.camera
+    config.camera = core.CameraModel(width=width, height=480, fx=camera.fx, fy=camera.fy, cx=camera.cx, cy=camera.cy)
+    heart = coordinator.Coordinator(config)
+    for k in range(10):
+        image = PICTURES[0][:, :width].copy()
+        image[479, width - 1] = 100 + k
+        assert step(heart, image, k).reason != Reason.camera_frozen
+    step(heart, image, 10)
+    assert step(heart, image, 11).reason == Reason.camera_frozen, "the third with the same pixels"
 
 
 def test_pictures_declared_noiseless_may_repeat():
