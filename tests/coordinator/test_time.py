@@ -142,6 +142,29 @@ def test_frames_more_than_a_second_apart_do_not_agree_on_a_new_clock(gap_s, epoc
     assert robot.heart.clock_epochs == epochs
 
 
+def test_the_fifth_frame_that_agrees_with_those_before_it_begins_an_epoch():
+    """Half a second apart, so that the second of silence is over with the third."""
+    robot = Robot()
+    robot.drive()
+    results = [robot.frame(-3_600_000_000 + k * 500_000, after_us=500_000) for k in range(5)]
+    assert [r.reason for r in results[:4]] == [Reason.frame_time_not_advancing] * 4
+    assert results[4].status == Status.tracking
+
+
+def test_a_stamp_one_microsecond_back_is_back():
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last - 1).reason == Reason.frame_time_not_advancing
+    assert robot.frame(last + 1).status == Status.tracking
+
+
+@pytest.mark.parametrize(("known_age_us", "left_us"), [(60_000, 40_000), (1, 99_999), (0, 100_000), (-50_000, 100_000)])
+def test_the_first_frame_too_is_as_old_as_is_known_and_50_ms_of_the_future_are_now(known_age_us, left_us):
+    robot = Robot()
+    assert robot.frame(1_000_000, known_age_us=known_age_us).status == Status.tracking
+    assert robot.heart.held.until_us == robot.now_us + left_us
+
+
 @pytest.mark.fault("second_source")
 @pytest.mark.parametrize("stale_hz", [10, 300])
 @pytest.mark.parametrize("silent_s", [0.95, 1.5, 3.0])
