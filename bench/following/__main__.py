@@ -22,6 +22,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rows import LAWS, SCENARIOS, Figures, Row, make_rows
 
+from pilotfish.harness.driving import BASELINES
 from pilotfish.plots.comparison import draw_comparison
 from pilotfish.plots.style import save
 from pilotfish.recording import Recording

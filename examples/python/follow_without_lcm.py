@@ -1,4 +1,4 @@
-"""A whole coordinator in a process of one's own: follow_without_lcm.py CONFIG FOLDER. Pictures in, speeds out; no bus."""
+"""A whole coordinator in your own process: follow_without_lcm.py CONFIG FOLDER. Pictures in, speeds out; no bus."""
 
 import sys
 

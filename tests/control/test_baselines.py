@@ -35,7 +35,7 @@ def test_the_visual_servo_lets_the_point_s_error_decay_with_its_gain(d, theta, d
     """A unicycle moves a fixed point (x, y) of its base frame by x' = -v + w y, y' = -w x. With (x, y)' = -lambda times
     the error: w = lambda (y - y_pd) / x and v = lambda (x - x_pd) + w y. The gain is constant here."""
     gain = 0.05
-    constant = dict(gain_at_zero=gain, gain_at_infinity=gain, slope_at_zero=0.0)
+    constant = {"gain_at_zero": gain, "gain_at_infinity": gain, "slope_at_zero": 0.0}
     driver = follower("pbvs", constant)
     command = first_command(driver, d, theta, core.Setpoint(distance_m=d_pd, bearing_rad=theta_pd))
     x, y = d * math.cos(theta), d * math.sin(theta)
@@ -48,7 +48,7 @@ def test_the_visual_servo_lets_the_point_s_error_decay_with_its_gain(d, theta, d
 def test_the_visual_servo_s_gain_adapts_to_the_error():
     """ViSP: lambda(x) = (l0 - linf) exp(-slope x / (l0 - linf)) + linf of the greatest error component x. Straight
     ahead and 0.1 m too far, v = lambda 0.1."""
-    config = dict(gain_at_zero=2.5, gain_at_infinity=0.4, slope_at_zero=30.0)
+    config = {"gain_at_zero": 2.5, "gain_at_infinity": 0.4, "slope_at_zero": 30.0}
     command = first_command(follower("pbvs", config), 1.1, 0.0, core.Setpoint(distance_m=1.0))
     gain = 2.1 * math.exp(-30.0 * 0.1 / 2.1) + 0.4
     assert command.linear_mps == pytest.approx(0.1 * gain, rel=1e-6)
@@ -56,7 +56,7 @@ def test_the_visual_servo_s_gain_adapts_to_the_error():
 
 def test_the_pid_is_the_sum_of_its_three_parts():
     """e = 0.1 m, then 0.12 m a period T later: u = kp e + ki sum(e T) + kd e', the derivative unfiltered."""
-    config = dict(distance_kp=1.0, distance_ki=0.5, distance_kd=0.2, derivative_filter_s=0.0)
+    config = {"distance_kp": 1.0, "distance_ki": 0.5, "distance_kd": 0.2, "derivative_filter_s": 0.0}
     driver, setpoint = follower("pid", config), core.Setpoint(distance_m=1.0)
     first = first_command(driver, 1.1, 0.0, setpoint)
     seen = core.Observation(utime=1_000_000 + PERIOD_US, distance_m=1.12)
@@ -70,7 +70,7 @@ def test_behind_a_steady_leader_the_pid_has_no_steady_state_error_and_a_saturate
     """The plant is a pure integrator of relative speed; 2 m too far saturates the speed for seconds. Without clamping,
     the integral of 2 m over 4 s at 0.5 1/s^2 would drive on by metres."""
     limits = control.LimitsConfig()
-    config = dict(distance_kp=1.5, distance_ki=0.5, distance_kd=0.0)
+    config = {"distance_kp": 1.5, "distance_ki": 0.5, "distance_kd": 0.0}
     driver, setpoint = follower("pid", config, limits), core.Setpoint(distance_m=1.0)
     distance_m, nearest_m = 3.0, 3.0
     for k in range(900):

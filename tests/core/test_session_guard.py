@@ -85,10 +85,12 @@ def test_the_stop_distance_itself_may_be_kept():
 
 
 @pytest.mark.parametrize(
-    "change", [{"distance_m": 0.05}, {"distance_m": 20.0}, {"bearing_rad": -MAX_BEARING_RAD}, {"bearing_rad": MAX_BEARING_RAD}]
+    "change",
+    [{"distance_m": 0.05}, {"distance_m": 20.0}, {"bearing_rad": -MAX_BEARING_RAD}, {"bearing_rad": MAX_BEARING_RAD}],
 )
 def test_the_bounds_themselves_may_be_asked_for(change):
-    """Of Setpoint::parameters(): 0.05 to 20 m, -70 to 70 degrees. A gate whose stop distance is below them adds nothing."""
+    """Of Setpoint::parameters(): 0.05 to 20 m, -70 to 70 degrees. A gate whose stop distance is
+    below them adds nothing."""
     the_gate = SetpointGate(session=SESSION, stop_distance_m=0.0)
     assert decide(the_gate, Setpoint(**change))[0] == SetpointVerdict.accepted
 

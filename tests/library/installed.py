@@ -6,10 +6,13 @@ import fcntl
 from pathlib import Path
 
 from build_tree import ROOT, run
-
 from pilotfish import core
 
-BUILD = Path(core.__file__).parents[2] if (Path(core.__file__).parents[2] / "build.ninja").exists() else ROOT / "build/release"
+BUILD = (
+    Path(core.__file__).parents[2]
+    if (Path(core.__file__).parents[2] / "build.ninja").exists()
+    else ROOT / "build/release"
+)
 PREFIX = ROOT / "build" / "installed"
 
 

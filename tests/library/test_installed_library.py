@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from build_tree import ROOT, run
 from installed import examples, prefix
 
+from build_tree import ROOT, run
 from pilotfish import data
 
 CONSUMER = Path(__file__).parent / "consumer"
@@ -66,7 +66,11 @@ def test_the_source_tree_as_a_part_of_another_project_builds_what_that_asks_for_
 def test_pkg_config_is_enough_without_cmake(tmp_path):
     environment = os.environ | {"PKG_CONFIG_PATH": str(prefix() / "lib/pkgconfig")}
     flags = subprocess.run(
-        ["pkg-config", "--cflags", "--libs", "pilotfish-fuzzy"], capture_output=True, text=True, check=True, env=environment
+        ["pkg-config", "--cflags", "--libs", "pilotfish-fuzzy"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environment,
     ).stdout.split()
     run("c++", "-std=c++17", CONSUMER / "consumer.cpp", *flags, "-o", tmp_path / "consumer")
     assert run(tmp_path / "consumer") == "0.50\n"
@@ -97,12 +101,14 @@ def test_what_a_component_does_not_need_is_not_needed_to_configure_it(tmp_path, 
 
 @pytest.mark.parametrize(
     ("component", "absent", "package"),
-    [("core", "Eigen3", "libeigen3-dev"), ("config", "yaml-cpp", "libyaml-cpp-dev"), ("capture", "OpenCV", "libopencv-dev")],
+    [
+        ("core", "Eigen3", "libeigen3-dev"),
+        ("config", "yaml-cpp", "libyaml-cpp-dev"),
+        ("capture", "OpenCV", "libopencv-dev"),
+    ],
 )
 def test_what_is_missing_is_named_with_its_debian_package(tmp_path, component, absent, package):
-    done = configure(
-        ROOT, tmp_path, f"-DPILOTFISH_COMPONENTS={component}", f"-DCMAKE_DISABLE_FIND_PACKAGE_{absent}=ON"
-    )
+    done = configure(ROOT, tmp_path, f"-DPILOTFISH_COMPONENTS={component}", f"-DCMAKE_DISABLE_FIND_PACKAGE_{absent}=ON")
     assert done.returncode != 0
     assert f"apt-get install {package}" in " ".join(done.stderr.split())
 

@@ -1,4 +1,4 @@
-"""The wheels of the example obey the first coordinator on the bus, and stand still by themselves when it falls silent."""
+"""The wheels of the example obey the first coordinator on the bus, and stand still when it falls silent."""
 
 import select
 import subprocess
@@ -6,9 +6,9 @@ import sys
 import time
 
 import pytest
-from build_tree import ROOT
 from installed import examples
 
+from build_tree import ROOT
 from pilotfish import bus, core
 from pilotfish.harness.ports import private_lcm_url
 

@@ -55,9 +55,7 @@ ProfilesOption = Annotated[
         help="The law that drives: as published, around a feed-forward of the leader's motion, or one by one."
     ),
 ]
-LawOption = Annotated[
-    Law, typer.Option(help="Drive with a baseline instead, tuned as well as the fuzzy law.")
-]
+LawOption = Annotated[Law, typer.Option(help="Drive with a baseline instead, tuned as well as the fuzzy law.")]
 TuningOption = Annotated[
     Path | None,
     typer.Option(exists=True, dir_okay=False, help="Parameters of the law, as `pilotfish tune` writes them."),
