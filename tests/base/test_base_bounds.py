@@ -5,7 +5,7 @@ from contextlib import nullcontext
 
 import pytest
 
-from pilotfish import base
+from pilotfish import ConfigError, base
 
 BOUNDS = {
     "rate_hz": (20.0, 200.0),
@@ -26,8 +26,8 @@ BOUNDS = {
 
 def base_with(path, value):
     config = base.BaseConfig()
-    *rooms, name = path.split(".")
-    where = getattr(config, rooms[0]) if rooms else config
+    *sections, name = path.split(".")
+    where = getattr(config, sections[0]) if sections else config
     setattr(where, name, value)
     return base.Base(config, session=1, simulated_allowed=False)
 
@@ -38,11 +38,12 @@ def test_the_bounds_are_taken_and_what_lies_beyond_them_is_refused_by_name(path,
     base_with(path, low)
     base_with(path, high)
     for beyond in (math.nextafter(low, -math.inf), math.nextafter(high, math.inf), math.nan):
-        with pytest.raises(ValueError, match=path.replace(".", r"\.")):
+        with pytest.raises(ConfigError) as refused:  # where it is assigned, which knows its own section only
             base_with(path, beyond)
+        assert refused.value.key == path.split(".")[-1]
 
 
 @pytest.mark.parametrize(("ticks", "allowed"), [(0, False), (1, True), (1_000_000, True), (1_000_001, False)])
 def test_a_wheel_has_one_tick_a_turn_at_least_and_a_million_at_most(ticks, allowed):
-    with nullcontext() if allowed else pytest.raises(ValueError, match=r"wheels\.ticks_per_revolution"):
+    with nullcontext() if allowed else pytest.raises(ValueError, match=r"ticks_per_revolution"):
         base_with("wheels.ticks_per_revolution", ticks)
