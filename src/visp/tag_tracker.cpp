@@ -217,11 +217,9 @@ void TagTracker::Impl::search(const Frame& frame) {
     }
     Track& track = track_of(tag.id);
     if (track.now) continue;
+    // It is not where its motion led, so that motion, and a new one between there and here, would lead astray.
+    track.observer.forget();
     track.now = track.observer.observe(frame, found).observation;
-    if (!track.now) {  // what is known of where it was may be what speaks against it
-      track.observer.forget();
-      track.now = track.observer.observe(frame, found).observation;
-    }
     if (track.now) track.seen_utime = frame.utime;
   }
 }
