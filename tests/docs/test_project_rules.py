@@ -15,6 +15,7 @@ MAY_INCLUDE = {
     "core": set(),
     "fuzzy": set(),
     "vision": {"core"},
+    "visp": {"core", "vision"},
     "control": {"core", "fuzzy"},
     "coordinator": {"core", "vision", "control"},
     "jpeg": {"core"},
