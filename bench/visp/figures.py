@@ -71,8 +71,8 @@ def figures_of(eye: str, lines: list[dict]) -> Figures:
 
 
 def all_figures(lines: list[dict]) -> list[Figures]:
-    """In the order in which the eyes first looked."""
+    """In the order of their rows."""
     by_eye: dict[str, list[dict]] = {}
-    for line in lines:
+    for line in sorted(lines, key=lambda each: each["row"]):
         by_eye.setdefault(line["eye"], []).append(line)
     return [figures_of(eye, theirs) for eye, theirs in by_eye.items()]

@@ -3,15 +3,16 @@
 //
 //   visp_benchmark PICTURES TAGS SEED
 //
-// Prints a line of JSON for each eye and picture: {"eye", "picture", "elapsed_ns", "tags": [{"id", "truth", "pose"}]},
-// with every tag that is in the picture, poses as 16 numbers row by row (null where the eye did not see it). The clock
-// runs around detection and poses, and nothing else.
+// Prints a line of JSON for each eye and picture: {"eye", "row", "picture", "elapsed_ns", "tags": [{"id", "truth",
+// "pose"}]}, row: to sort by; with every tag that is in the picture, poses as 16 numbers row by row (null where the eye
+// did not see it). The clock runs around detection and poses, and nothing else.
 //
 // vpDetectorAprilTag has pixel centres at +0.5. Its rows get a principal point of (u0 + 0.5, v0 + 0.5), except for the
 // one that is named "as calibrated".
 
 #include <visp3/detection/vpDetectorAprilTag.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +20,8 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -93,24 +96,28 @@ int main(int argc, char** argv) {
   std::vector<int> ids;
   for (int i = 0; i < count; ++i) ids.push_back(i);
   const pilotfish::bench::RenderedTags scene(camera, ids, kSize_m, {}, seed);
-  const std::vector<Eye> eyes = {ours("TagTracker", 10, camera),
-                                 ours("TagTracker, search period 0", 0, camera),
-                                 ours("TagTracker, search period 1", 1, camera),
-                                 visp("vpDetectorAprilTag, decimation 1", 1.0F, 0.5, camera),
-                                 visp("vpDetectorAprilTag, decimation 2", 2.0F, 0.5, camera),
-                                 visp("vpDetectorAprilTag, decimation 1, best residual", 1.0F, 0.5, camera,
-                                      vpDetectorAprilTag::BEST_RESIDUAL_VIRTUAL_VS),
-                                 visp("vpDetectorAprilTag, decimation 1, as calibrated", 1.0F, 0.0, camera)};
+  const std::vector<Eye> eyes = {
+      ours("TagTracker", 10, camera),
+      ours("TagTracker, period 0", 0, camera),
+      ours("TagTracker, period 1", 1, camera),
+      visp("ViSP, decimation 1", 1.0F, 0.5, camera),
+      visp("ViSP, decimation 2", 2.0F, 0.5, camera),
+      visp("ViSP, decimation 1, best residual", 1.0F, 0.5, camera, vpDetectorAprilTag::BEST_RESIDUAL_VIRTUAL_VS),
+      visp("ViSP, decimation 1, as calibrated", 1.0F, 0.0, camera)};
   // vpDetectorAprilTag's tag frame: half a turn about x.
   Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
   half_turn.linear().diagonal() << 1.0, -1.0, -1.0;
 
+  std::mt19937_64 random(seed);
+  std::vector<std::size_t> order(eyes.size());
+  std::iota(order.begin(), order.end(), 0U);
   for (int k = 0; k < pictures; ++k) {
     std::vector<std::optional<Eigen::Isometry3d>> cMt;
     for (int i = 0; i < count; ++i) cMt.emplace_back(pose_at(k / kRate_hz, i, count));
     const vpImage<unsigned char> image = scene.picture(cMt, seed * 1'000'000 + static_cast<std::uint64_t>(k));
-    for (std::size_t turn = 0; turn < eyes.size(); ++turn) {
-      const Eye& each = eyes[(turn + static_cast<std::size_t>(k)) % eyes.size()];
+    std::shuffle(order.begin(), order.end(), random);
+    for (const std::size_t turn : order) {
+      const Eye& each = eyes[turn];
       Poses poses;
       const auto begin = std::chrono::steady_clock::now();
       const std::vector<int> seen = each.look(image, poses);
@@ -125,7 +132,8 @@ int main(int argc, char** argv) {
           if (seen[j] == i) tag["pose"] = as_json(poses[j]);
         tags.push_back(tag);
       }
-      const nlohmann::json line = {{"eye", each.name}, {"picture", k}, {"elapsed_ns", elapsed.count()}, {"tags", tags}};
+      const nlohmann::json line = {
+          {"eye", each.name}, {"row", turn}, {"picture", k}, {"elapsed_ns", elapsed.count()}, {"tags", tags}};
       std::puts(line.dump().c_str());
     }
   }

@@ -174,7 +174,7 @@ void LeaderObserver::forget() noexcept {
 
 Sight LeaderObserver::observe(const Frame& frame) noexcept { return try_to_look(frame, nullptr); }
 
-Sight LeaderObserver::observe(const Frame& frame, const Detections& found) noexcept {
+Sight LeaderObserver::observe_detected(const Frame& frame, const Detections& found) noexcept {
   return try_to_look(frame, &found);
 }
 

@@ -194,7 +194,7 @@ bool TagTracker::Impl::follow(const Frame& frame) {
   bool any = false, lost = false;
   for (auto& [id, track] : tracks_) {
     const bool was_seen = track.now.has_value();
-    track.now = track.observer.observe(frame, {}).observation;
+    track.now = track.observer.observe_detected(frame, {}).observation;
     any = any || track.now;
     lost = lost || (was_seen && !track.now);
     if (track.now) track.seen_utime = frame.utime;
@@ -219,7 +219,7 @@ void TagTracker::Impl::search(const Frame& frame) {
     if (track.now) continue;
     // It is not where its motion led, so that motion, and a new one between there and here, would lead astray.
     track.observer.forget();
-    track.now = track.observer.observe(frame, found).observation;
+    track.now = track.observer.observe_detected(frame, found).observation;
     if (track.now) track.seen_utime = frame.utime;
   }
 }

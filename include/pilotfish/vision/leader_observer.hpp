@@ -86,7 +86,7 @@ class LeaderObserver {
   Sight observe(const Frame& frame) noexcept;
   /// The same for whoever searches pictures for several observers at once: `found`, what a detector of the same family
   /// found in this very frame [px of it], takes the place of the search of the whole picture; empty if nobody searched.
-  Sight observe(const Frame& frame, const Detections& found) noexcept;
+  Sight observe_detected(const Frame& frame, const Detections& found) noexcept;
 
   /// The next frame is looked at as if nothing had been seen before. The counters stay.
   void forget() noexcept;
