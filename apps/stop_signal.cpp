@@ -10,8 +10,10 @@
 namespace pilotfish::apps {
 namespace {
 
-// A signal handler can reach nothing but globals; these are the only ones.
-volatile std::sig_atomic_t stop_flag = 0;
+// A signal handler can reach nothing but globals; these are the only ones. It may run on any thread, also on one that a
+// library began, and another one reads what it sets: so that is atomic, not merely volatile.
+std::atomic<bool> stop_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<const bus::LastWords*> last_words{nullptr};
 
 // All whose default is death and that are no fault of ours. Suspending from a terminal (Ctrl-Z) would silence a robot
@@ -32,13 +34,13 @@ sigset_t stop_signals() {
 
 void catch_stop_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_flag = 1; };
+  action.sa_handler = [](int) { stop_flag = true; };
   for (int signal : kStopSignals) sigaction(signal, &action, nullptr);
   for (int signal = SIGRTMIN; signal <= SIGRTMAX; ++signal) sigaction(signal, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-bool stop_requested() { return stop_flag != 0; }
+bool stop_requested() { return stop_flag; }
 
 void block_stop_signals() {
   const sigset_t set = stop_signals();

@@ -128,6 +128,8 @@ void bind_serial(py::module_& m) {
         return py::bytes(std::string(SetPointLine(sequence, {left_radps, right_radps}).text()));
       },
       py::kw_only(), py::arg("sequence"), py::arg("left_radps"), py::arg("right_radps"));
+  m.def(
+      "first_fault", [](std::uint16_t faults) { return std::string(first_fault(faults)); }, py::arg("faults"));
   py::class_<ControllerLine>(m, "ControllerLine", "What the controller says of the wheels.")
       .def_readonly("sequence", &ControllerLine::sequence)
       .def_readonly("faults", &ControllerLine::faults)

@@ -118,7 +118,7 @@ std::optional<ControllerLine> ControllerParser::feed(char byte) noexcept {
   }
   if (!inside_) return std::nullopt;  // between lines: a boot loader's chatter, the \n behind a \r
   if (byte == '\r' || byte == '\n') return complete();
-  if (size_ == line_.size()) {
+  if (size_ + 1 == kMaxLine) {  // and the $
     ++rejected_.too_long;
     reset();
     return std::nullopt;

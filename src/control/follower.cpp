@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/sections.hpp"
 #include "pilotfish/core/utime.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
 /// it, and every law here takes the opposite for granted. So the robot turns to it first.
 Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
-  return std::cos(bearing_rad) > 0.0 ? wanted : Twist{0.0, wanted.angular_radps};
+  return std::abs(bearing_rad) < kPi / 2.0 ? wanted : Twist{0.0, wanted.angular_radps};
 }
 
 }  // namespace

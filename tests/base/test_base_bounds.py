@@ -1,6 +1,7 @@
 """What the base process can be told by its configuration: each parameter has bounds, and they belong to it."""
 
 import math
+from contextlib import nullcontext
 
 import pytest
 
@@ -39,3 +40,9 @@ def test_the_bounds_are_taken_and_what_lies_beyond_them_is_refused_by_name(path,
     for beyond in (math.nextafter(low, -math.inf), math.nextafter(high, math.inf), math.nan):
         with pytest.raises(ValueError, match=path.replace(".", r"\.")):
             base_with(path, beyond)
+
+
+@pytest.mark.parametrize(("ticks", "allowed"), [(0, False), (1, True), (1_000_000, True), (1_000_001, False)])
+def test_a_wheel_has_one_tick_a_turn_at_least_and_a_million_at_most(ticks, allowed):
+    with nullcontext() if allowed else pytest.raises(ValueError, match=r"wheels\.ticks_per_revolution"):
+        base_with("wheels.ticks_per_revolution", ticks)

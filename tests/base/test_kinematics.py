@@ -104,3 +104,33 @@ def test_readings_of_one_instant_and_after_a_long_silence_say_nothing():
     assert wheels.update(time_ms=5, left_ticks=50, right_ticks=50) is None
     assert wheels.update(time_ms=1200, left_ticks=50, right_ticks=50) is None
     assert wheels.pose == (0.0, 0.0, 0.0)
+
+
+# 40 rad/s for 20 ms are 0.8 rad of 6.2832, so 127.32 of 1000 ticks; twice that and 4 more are 258.65.
+@pytest.mark.parametrize(("left", "right"), [(258, 0), (0, 258), (-258, 0), (0, -258)])
+def test_each_wheel_may_turn_twice_as_fast_as_it_can_and_four_ticks_more(left, right):
+    wheels = odometry(max_wheel_radps=40.0)
+    wheels.update(time_ms=0, left_ticks=0, right_ticks=0)
+    assert wheels.update(time_ms=20, left_ticks=left, right_ticks=right) is not None
+    beyond = odometry(max_wheel_radps=40.0)
+    beyond.update(time_ms=0, left_ticks=0, right_ticks=0)
+    one_more = [ticks + (ticks > 0) - (ticks < 0) for ticks in (left, right)]
+    assert beyond.update(time_ms=20, left_ticks=one_more[0], right_ticks=one_more[1]) is None
+    assert (wheels.jumps, beyond.jumps) == (0, 1)
+
+
+def test_two_readings_of_one_instant_lose_no_tick_and_are_no_jump():
+    wheels = odometry()
+    wheels.update(time_ms=5, left_ticks=0, right_ticks=0)
+    assert wheels.update(time_ms=5, left_ticks=50, right_ticks=50) is None
+    assert wheels.update(time_ms=105, left_ticks=60, right_ticks=60) is not None
+    assert wheels.pose[0] == pytest.approx(60 * METRES_PER_TICK)
+    assert wheels.jumps == 0
+
+
+@pytest.mark.parametrize(("gap_ms", "moves"), [(1000, True), (1001, False)])
+def test_readings_more_than_a_second_apart_are_no_motion(gap_ms, moves):
+    wheels = odometry()
+    wheels.update(time_ms=0, left_ticks=0, right_ticks=0)
+    assert (wheels.update(time_ms=gap_ms, left_ticks=50, right_ticks=50) is not None) == moves
+    assert wheels.jumps == (not moves)

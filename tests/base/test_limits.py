@@ -38,6 +38,7 @@ def limited(wanted, told=(0.0, 0.0), dt_s=0.1, limits=LIMITS):
         ((0.1, 0.0), (0.7, 0.0), (0.3, 0.0)),
         ((-0.2, 0.0), (0.2, 0.0), (-0.05, 0.0)),  # to zero in 0.05 s, then 0.05 s of 1 m/s2
         ((-0.2, 0.0), (0.6, 0.0), (0.2, 0.0)),
+        ((-0.2, 0.0), (0.1, 0.0), (-0.075, 0.0)),  # to zero in 0.025 s
         ((0.0, 1.0), (0.4, 0.0), (0.0, 1.0)),  # turning on: 4 m/s2 take the 0.4 away, 10 rad/s2 give the 1
         ((0.0, 0.0), (0.7, 2.0), (0.0, 0.0)),  # zero is never put off
     ],
@@ -60,6 +61,13 @@ def test_nothing_gets_past_the_limits(v, w, told, dt_s):
 @given(told_numbers)
 def test_a_zero_is_a_zero_at_once(told):
     assert limited((0.0, 0.0), told, dt_s=0.0) == (0.0, 0.0)
+
+
+def test_while_time_goes_back_or_stands_still_nothing_changes_but_to_zero():
+    for dt_s in (0.0, -1.0):
+        assert limited((0.7, -2.0), told=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
+        assert limited((0.1, 0.1), told=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
+        assert limited((0.0, 0.0), told=(0.2, 0.5), dt_s=dt_s) == (0.0, 0.0)
 
 
 @given(st.floats(-0.2, 0.7), st.floats(-2.0, 2.0))

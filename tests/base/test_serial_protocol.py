@@ -129,6 +129,58 @@ def test_a_hundred_thousand_random_and_damaged_bytes_give_no_line_that_was_not_s
     assert wrong <= 20
 
 
+def test_a_line_has_80_characters_at_most_from_the_dollar_to_the_checksum():
+    for length, kind in [(80, "malformed"), (81, "too_long")]:
+        body = b"9" * (length - len(b"$*HH"))
+        lines, rejected = parsed(framed(body))
+        assert lines == []
+        assert rejected == {"checksum": 0, "malformed": 0, "too_long": 0, "cut_short": 0} | {kind: 1}
+
+
+@pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n"])
+def test_a_carriage_return_or_a_line_feed_ends_a_line(end):
+    lines, rejected = parsed(telemetry_line(sequence=4).rstrip() + end)
+    assert [line.sequence for line in lines] == [4]
+    assert sum(rejected.values()) == 0
+
+
+@pytest.mark.parametrize("body", [b"", b"*", b"*0", b"00", b"PFE,1,2,3,4,5"])
+def test_a_line_without_a_checksum_is_counted_as_one_with_a_wrong_one(body):
+    lines, rejected = parsed(b"$" + body + b"\r\n")
+    assert lines == []
+    assert rejected == {"checksum": 1, "malformed": 0, "too_long": 0, "cut_short": 0}
+
+
+@pytest.mark.parametrize("place", [-4, -3])  # before the line's end
+@pytest.mark.parametrize(("digit", "other"), [("A", ":"), ("9", "@"), *zip("ABCDEF", "abcdef", strict=True)])
+def test_the_digits_of_a_checksum_are_0_to_9_and_capital_a_to_f(place, digit, other):
+    """In ASCII : stands behind 9, where a ten would be, and @ before A, where a nine would be."""
+    line = next(line for line in map(telemetry_line, range(1000)) if chr(line[place]) == digit)
+    bad = bytearray(line)
+    bad[place] = ord(other)
+    lines, rejected = parsed(bytes(bad))
+    assert (lines, rejected["checksum"]) == ([], 1)
+    assert len(parsed(line)[0]) == 1
+
+
+@pytest.mark.parametrize(
+    ("faults", "words"),
+    [
+        (0, ""),
+        (2, "a motor driver reports an error"),
+        (4, "a motor draws too much current"),
+        (8, "an encoder does not count"),
+        (16, "the supply is too low"),
+        (32, "the emergency stop is pressed"),
+        (64, "a fault without a name"),
+        (32 + 16 + 2, "the emergency stop is pressed"),  # what people can see comes first
+        (16 + 4 + 2, "a motor driver reports an error"),
+    ],
+)
+def test_of_the_faults_the_first_is_named(faults, words):
+    assert base.first_fault(faults) == words
+
+
 MS = 1000
 
 
@@ -166,3 +218,23 @@ def test_the_numbers_wrap_around():
         link.echoed(number)
         assert link.alive(now_us=k * MS)
     assert number == 10
+
+
+def test_the_newest_line_that_was_echoed_counts_whatever_is_echoed_after_it():
+    """Sent at 0 and at 200 ms, echoed in the other order: 200 + 250 ms."""
+    link = base.ControllerLink(timeout_s=0.25)
+    first, second = link.next_sequence(now_us=0), link.next_sequence(now_us=200 * MS)
+    link.echoed(second)
+    link.echoed(first)
+    assert link.alive(now_us=450 * MS)
+    assert not link.alive(now_us=451 * MS)
+
+
+@pytest.mark.parametrize(("behind", "counts"), [(1023, True), (1024, False), (1025, False)])
+def test_of_the_last_1024_lines_an_echo_counts(behind, counts):
+    link = base.ControllerLink(timeout_s=5.0)
+    first = link.next_sequence(now_us=0)
+    for k in range(behind):
+        link.next_sequence(now_us=1 + k)
+    link.echoed(first)
+    assert link.alive(now_us=behind) == counts

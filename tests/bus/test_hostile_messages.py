@@ -261,6 +261,18 @@ def test_a_list_of_counters_that_nobody_sends_is_refused(edge, channel, valid, a
     assert edge.refuses(channel, valid(rejected=[counter("x" * 25)]).encode()).endswith("_corrupt")
 
 
+@pytest.mark.parametrize(("channel", "valid"), [("R1_STATUS", valid_status), ("R1_BASE", valid_base)])
+@pytest.mark.parametrize("count", [-1, -(2**31)])
+def test_less_than_no_counters_are_refused(edge, channel, valid, count):
+    """The count is an int32, and of 0 and 1 the last byte differs: there the two messages begin to be different."""
+    none, one = valid(rejected=[]).encode(), valid(rejected=[counter("x")]).encode()
+    last_byte = next(k for k, (a, b) in enumerate(zip(none, one, strict=False)) if a != b)
+    edge.accepts(channel, none)
+    data = bytearray(none)
+    struct.pack_into(">i", data, last_byte - 3, count)
+    assert edge.refuses(channel, bytes(data)).endswith("_corrupt")
+
+
 def test_a_list_of_stages_that_nobody_sends_is_refused(edge):
     def with_stages(names):
         stages = [stage_t() for _ in names]

@@ -119,6 +119,45 @@ def test_of_more_counters_than_fit_every_one_is_seen_in_its_turn_and_nothing_van
     assert seen == counters
 
 
+def catch_base(link, report):
+    return types.base_t.decode(link.catch("R1_BASE", lambda: link.bus.publish_base("r1", report)))
+
+
+@pytest.mark.parametrize(
+    ("report", "catch", "at_most"), [(bus.StatusReport, catch_status, 24), (bus.BaseReport, catch_base, 16)]
+)
+def test_of_short_names_as_many_travel_as_a_listener_believes(link, report, catch, at_most):
+    """One more than at_most: all but two of them and "others" in one message, those two and "others" in the next."""
+    counters = {f"{i:02}": 2**i for i in range(at_most)}
+    assert {c.name: c.count for c in catch(link, report(utime=1, rejected=counters)).rejected} == counters
+    counters["one more"] = 1
+    lists = [catch(link, report(utime=1, rejected=counters)).rejected for _ in range(2)]
+    assert sorted(len(rejected) for rejected in lists) == [3, at_most]
+    assert {c.name for rejected in lists for c in rejected} == counters.keys() | {"others"}
+    assert all(sum(c.count for c in rejected) == 2**at_most for rejected in lists)  # 2^n - 1 and the one
+
+
+def test_counters_fill_a_datagram_to_the_last_byte_and_no_further(link):
+    """A counter takes 13 bytes (length, final zero, count) and its letters. Of those, 14 counters have as many as fill
+    the room that the rest of the message leaves; then one more."""
+
+    def sent(letters):
+        each, longer = divmod(letters, 14)
+        names = [f"{i:02}".ljust(each + (i < longer), "x") for i in range(14)]
+        report = worst_status(dict.fromkeys(names, 1))
+        data = link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", report))
+        return len(data), types.status_t.decode(data).rejected
+
+    rest = len(link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", worst_status({}))))
+    letters = ONE_DATAGRAM_BYTES - rest - 14 * 13
+    assert 14 * 2 <= letters < 14 * 24
+    full, rejected = sent(letters)
+    assert (full, len(rejected)) == (ONE_DATAGRAM_BYTES, 14)
+    fuller, rejected = sent(letters + 1)
+    assert fuller <= ONE_DATAGRAM_BYTES
+    assert rejected[-1].name == "others"
+
+
 def test_more_stages_and_longer_names_than_there_is_room_for_are_cut(link):
     report = worst_status({"y" * 40: 1})
     report.stages = [bus.StageReport(name=f"{i}" * 40) for i in range(8)]

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pilotfish import control, core, fuzzy
+from pilotfish import ConfigError, control, core, fuzzy
 from pilotfish import data as shipped
 
 LAW = fuzzy.load_controller(str(shipped.path("fuzzy/coordination.yaml")))
@@ -93,8 +93,10 @@ def test_after_a_restart_the_past_is_forgotten():
     assert again.velocity.error_change_m == 0.0
 
 
-def test_limits_out_of_range_are_refused_by_name():
-    limits = control.LimitsConfig()
-    limits.max_linear_mps = math.nan
-    with pytest.raises(ValueError, match=r"control\.limits\.max_linear_mps"):
-        follower(limits=limits)
+@pytest.mark.parametrize("value", [math.nan, -1.0, 1e3])
+def test_a_limit_out_of_range_is_refused_by_name_when_it_is_assigned_and_the_old_one_stays(value):
+    limits = control.LimitsConfig(max_linear_mps=0.5)
+    with pytest.raises(ConfigError, match=r"max_linear_mps: .* is outside \[0.01, 5\]") as refused:
+        limits.max_linear_mps = value
+    assert refused.value.key == "max_linear_mps"
+    assert limits.max_linear_mps == 0.5

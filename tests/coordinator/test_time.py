@@ -5,10 +5,9 @@ import pytest
 from pilotfish import coordinator, core
 from pilotfish import data as shipped
 from pilotfish.core import Reason, Status
-from scenes import PERIOD_US, leader_pictures
+from scenes import PERIOD_US
 
 CONFIG = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
-PICTURES = [frame.image for frame in leader_pictures(40)]
 STILL = core.Twist()
 BOOT_US = 5_000_000_000  # the monotonic clock has nothing to do with the stamps'
 
@@ -140,6 +139,29 @@ def test_frames_more_than_a_second_apart_do_not_agree_on_a_new_clock(gap_s, epoc
     for k in range(20):
         robot.frame(-3_600_000_000 + round(k * gap_s * 1e6), after_us=round(gap_s * 1e6))
     assert robot.heart.clock_epochs == epochs
+
+
+def test_the_fifth_frame_that_agrees_with_those_before_it_begins_an_epoch():
+    """Half a second apart, so that the second of silence is over with the third."""
+    robot = Robot()
+    robot.drive()
+    results = [robot.frame(-3_600_000_000 + k * 500_000, after_us=500_000) for k in range(5)]
+    assert [r.reason for r in results[:4]] == [Reason.frame_time_not_advancing] * 4
+    assert results[4].status == Status.tracking
+
+
+def test_a_stamp_one_microsecond_back_is_back():
+    robot = Robot()
+    last = robot.drive()
+    assert robot.frame(last - 1).reason == Reason.frame_time_not_advancing
+    assert robot.frame(last + 1).status == Status.tracking
+
+
+@pytest.mark.parametrize(("known_age_us", "left_us"), [(60_000, 40_000), (1, 99_999), (0, 100_000), (-50_000, 100_000)])
+def test_the_first_frame_too_is_as_old_as_is_known_and_50_ms_of_the_future_are_now(known_age_us, left_us):
+    robot = Robot()
+    assert robot.frame(1_000_000, known_age_us=known_age_us).status == Status.tracking
+    assert robot.heart.held.until_us == robot.now_us + left_us
 
 
 @pytest.mark.fault("second_source")
@@ -336,46 +358,3 @@ def test_clocks_that_drift_apart_by_200_ppm_for_an_hour_are_still_one_epoch():
     for k in range(3600 * 2):
         assert robot.frame(1_000_000 + round(k * 500_000 * 1.0002), after_us=500_000).status == Status.tracking
     assert robot.heart.clock_epochs == 0
-
-
-# --- the frozen camera -----------------------------------------------------------------------------------------------
-
-
-def step(heart, image, k):
-    utime = 1_000_000 + k * PERIOD_US
-    return heart.step(core.Frame(image, utime=utime), utime)
-
-
-@pytest.mark.fault("camera_frozen")
-def test_the_third_picture_in_a_row_with_the_same_pixels_moves_nothing():
-    heart = coordinator.Coordinator(CONFIG)
-    for k in range(10):
-        assert step(heart, PICTURES[k], k).status == Status.tracking
-    assert step(heart, PICTURES[9], 10).reason != Reason.camera_frozen
-    for k in range(11, 100):
-        result = step(heart, PICTURES[9], k)
-        assert (result.status, result.reason) == (Status.invalid_input, Reason.camera_frozen)
-        assert result.command == STILL
-    assert step(heart, PICTURES[10], 100).status == Status.tracking, "it has come back to life"
-
-
-@pytest.mark.parametrize("ring", [2, 4, 8])
-def test_a_driver_that_goes_round_its_ring_of_old_buffers_is_frozen_as_well(ring):
-    heart = coordinator.Coordinator(CONFIG)
-    results = [step(heart, PICTURES[k % ring], k) for k in range(60)]
-    assert all(r.reason == Reason.camera_frozen and r.command == STILL for r in results[2 * ring :])
-
-
-def test_one_gray_level_in_one_pixel_is_a_living_camera():
-    heart = coordinator.Coordinator(CONFIG)
-    for k in range(20):
-        image = PICTURES[0].copy()
-        image[(37 * k) % 480, (101 * k) % 640] ^= 1
-        assert step(heart, image, k).reason != Reason.camera_frozen
-
-
-def test_pictures_declared_noiseless_may_repeat():
-    config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
-    config.safety.noiseless_camera = True
-    heart = coordinator.Coordinator(config)
-    assert all(step(heart, PICTURES[0], k).status == Status.tracking for k in range(10))

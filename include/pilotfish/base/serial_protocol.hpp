@@ -45,7 +45,7 @@ enum Fault : std::uint16_t {
   kFaultSupply = 16,      ///< the supply is too low
   kFaultEmergencyStop = 32,  ///< the emergency stop is pressed
 };
-/// In words, for people: "motor, emergency stop". Bits without a name come as a number.
+/// In words, for people: the one to see to first. Empty if there is none.
 std::string_view first_fault(std::uint16_t faults) noexcept;
 
 /// "$PFE,<sequence>,<ms>,<left>,<right>,<faults>*HH": what the controller says of the wheels.
