@@ -25,7 +25,7 @@ from bench.common.compiled import RELEASE, built
 from bench.visp.figures import FLIPPED_DEG, Figures, all_figures
 
 console = Console()
-REFERENCE = "ViSP, decimation 1"  # the ratios are to it
+REFERENCE = "ViSP, 1:1"  # the ratios are to it
 
 
 def main(
@@ -65,7 +65,7 @@ def main(
 def _times(rows: list[Figures], title: str) -> Table:
     reference = next(row for row in rows if row.eye == REFERENCE)
     caption = f"ratio: time of '{REFERENCE}' over this one's"
-    table = _table(f"{title}: time per picture [ms]", caption, ("median", "ratio", "mean", "ratio", "p95"))
+    table = _table(f"{title}: time per picture, in ms", caption, ("median", "ratio", "mean", "ratio", "p95"))
     for row in rows:
         table.add_row(
             row.eye,
@@ -79,8 +79,8 @@ def _times(rows: list[Figures], title: str) -> Table:
 
 
 def _errors(rows: list[Figures], title: str) -> Table:
-    caption = f"RMS errors, mean of the translation's; flips: rotations more than {FLIPPED_DEG:g} deg off"
-    headings = ("seen", "[mm]", "mean x, y, z [mm]", "[deg]", "flips", "others [deg]")
+    caption = f"RMS of translation, its mean, RMS of rotation without flips: those more than {FLIPPED_DEG:g} deg off"
+    headings = ("seen", "mm", "mean x, y, z, mm", "deg", "flips")
     table = _table(f"{title}: errors", caption, headings)
     for row in rows:
         table.add_row(
@@ -88,16 +88,15 @@ def _errors(rows: list[Figures], title: str) -> Table:
             f"{100 * row.seen:.1f} %",
             f"{row.translation_rms_mm:.2f}",
             " ".join(f"{value:+.2f}" for value in row.bias_mm),
-            f"{row.rotation_rms_deg:.2f}",
-            f"{row.flipped}",
             f"{row.unflipped_rms_deg:.2f}",
+            f"{row.flipped}",
         )
     return table
 
 
 def _table(title: str, caption: str, headings: tuple[str, ...]) -> Table:
     table = Table(title=title, title_justify="left", caption=caption, box=SIMPLE)
-    table.add_column("eye")
+    table.add_column("eye", no_wrap=True)
     for heading in headings:
         table.add_column(heading, justify="right")
     return table

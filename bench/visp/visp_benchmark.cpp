@@ -100,10 +100,10 @@ int main(int argc, char** argv) {
       ours("TagTracker", 10, camera),
       ours("TagTracker, period 0", 0, camera),
       ours("TagTracker, period 1", 1, camera),
-      visp("ViSP, decimation 1", 1.0F, 0.5, camera),
-      visp("ViSP, decimation 2", 2.0F, 0.5, camera),
-      visp("ViSP, decimation 1, best residual", 1.0F, 0.5, camera, vpDetectorAprilTag::BEST_RESIDUAL_VIRTUAL_VS),
-      visp("ViSP, decimation 1, as calibrated", 1.0F, 0.0, camera)};
+      visp("ViSP, 1:1", 1.0F, 0.5, camera),
+      visp("ViSP, 1:2", 2.0F, 0.5, camera),
+      visp("ViSP, 1:1, best residual", 1.0F, 0.5, camera, vpDetectorAprilTag::BEST_RESIDUAL_VIRTUAL_VS),
+      visp("ViSP, 1:1, as calibrated", 1.0F, 0.0, camera)};
   // vpDetectorAprilTag's tag frame: half a turn about x.
   Eigen::Isometry3d half_turn = Eigen::Isometry3d::Identity();
   half_turn.linear().diagonal() << 1.0, -1.0, -1.0;

@@ -7,6 +7,7 @@
 //   ids, size_m  of the tags
 //   noise        in gray levels
 //   pictures     per picture and tag the pose cMt (16 numbers row by row; x right, y down, z into the paper) or null
+//   told_size_m  what the detectors are told instead of size_m
 //   decimation, search_period, z_aligned, without_pose     how TagTracker is told to look; without_pose: detect(I),
 //   then
 //                                                          getPose()
@@ -164,6 +165,8 @@ int look_at_tags() {
   imperfections.noise_sigma = told.at("noise");
   const bench::RenderedTags scene(camera, told.at("ids"), size_m, imperfections, 1);
 
+  const double told_size_m = told.value("told_size_m", size_m);
+
   visp::TagTracker ours;
   ours.setAprilTagQuadDecimate(told.value("decimation", 1.0F));
   ours.setSearchPeriod(told.value("search_period", 10));
@@ -183,11 +186,11 @@ int look_at_tags() {
       ours.detect(image);
       poses.resize(ours.getNbObjects());
       for (std::size_t i = 0; i < poses.size(); ++i)
-        if (!ours.getPose(i, size_m, cam, poses[i])) return 1;
+        if (!ours.getPose(i, told_size_m, cam, poses[i])) return 1;
     } else {
-      ours.detect(image, size_m, cam, poses);
+      ours.detect(image, told_size_m, cam, poses);
     }
-    theirs.detect(image, size_m, cam, by_visp);
+    theirs.detect(image, told_size_m, cam, by_visp);
     const json line = {
         {"searches", ours.wholePictureSearches()}, {"ours", tags_of(ours, poses)}, {"visp", tags_of(theirs, by_visp)}};
     std::puts(line.dump().c_str());
