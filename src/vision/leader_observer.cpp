@@ -172,16 +172,22 @@ void LeaderObserver::forget() noexcept {
   heading_.forget();
 }
 
-Sight LeaderObserver::observe(const Frame& frame) noexcept {
+Sight LeaderObserver::observe(const Frame& frame) noexcept { return try_to_look(frame, nullptr); }
+
+Sight LeaderObserver::observe_detected(const Frame& frame, const Detections& found) noexcept {
+  return try_to_look(frame, &found);
+}
+
+Sight LeaderObserver::try_to_look(const Frame& frame, const Detections* found) noexcept {
   try {
-    return look(frame);
+    return look(frame, found);
   } catch (...) {  // only memory can run out here
     ++rejected_.frames_invalid;
     return {std::nullopt, Reason::frame_too_large};
   }
 }
 
-Sight LeaderObserver::look(const Frame& frame) {
+Sight LeaderObserver::look(const Frame& frame, const Detections* found) {
   const ImageView& image = frame.image;
   const Reason defect = check(image);
   const bool calibrated = image.width == camera_.width && image.height == camera_.height;
@@ -205,9 +211,14 @@ Sight LeaderObserver::look(const Frame& frame) {
       if (sight.observation) return sight;
     }
   }
-  ++whole_picture_searches_;
-  const double decimation = frame.coarse_search ? coarser_decimation(decimation_) : decimation_;
-  Attempt detected = detect_tags(image, {0, 0, image.width, image.height, 0.0}, decimation);
+  Attempt detected;
+  if (found != nullptr) {
+    detected = verify_tags(image, *found, Eigen::Vector2d::Zero());
+  } else {
+    ++whole_picture_searches_;
+    const double decimation = frame.coarse_search ? coarser_decimation(decimation_) : decimation_;
+    detected = detect_tags(image, {0, 0, image.width, image.height, 0.0}, decimation);
+  }
   detected.rejected = larger_of_each(detected.rejected, followed.rejected);
   // What was followed up to the rim of the picture is too near to it for the detector: the first reason is the better
   // one.
@@ -233,7 +244,12 @@ LeaderObserver::Attempt LeaderObserver::follow_tags(const ImageView& image,
 
 LeaderObserver::Attempt LeaderObserver::detect_tags(const ImageView& image, const SearchRegion& region,
                                                     double decimation) {
-  const Detections detections = detector_.detect(part_of(image, region), decimation);
+  return verify_tags(image, detector_.detect(part_of(image, region), decimation),
+                     Eigen::Vector2d(region.left, region.top));
+}
+
+LeaderObserver::Attempt LeaderObserver::verify_tags(const ImageView& image, const Detections& detections,
+                                                    const Eigen::Vector2d& origin_px) const {
   Attempt attempt;
   attempt.reason = detections.input;
   if (detections.input != Reason::none) {
@@ -246,7 +262,6 @@ LeaderObserver::Attempt LeaderObserver::detect_tags(const ImageView& image, cons
   for (int id : detections.refused_ids)
     if (body_.find(id) != nullptr) attempt.reason = Reason::tag_refused;
 
-  const Eigen::Vector2d origin(region.left, region.top);
   for (const TagSighting& tag : detections.tags) {
     const auto on_body = std::find_if(patterns_.begin(), patterns_.end(),
                                       [&](const TagPattern& pattern) { return pattern.id == tag.id; });
@@ -258,7 +273,7 @@ LeaderObserver::Attempt LeaderObserver::detect_tags(const ImageView& image, cons
       attempt.reason = Reason::tag_duplicate;
     } else {
       std::array<Eigen::Vector2d, 4> corners_px;
-      for (int i = 0; i < 4; ++i) corners_px[i] = tag.corners_px[i] + origin;
+      for (int i = 0; i < 4; ++i) corners_px[i] = tag.corners_px[i] + origin_px;
       attempt.add(look_at_tag(image, camera_, *on_body, homography_from_corners(camera_, corners_px), {}, 0.0,
                               bit_gates(), config_.gates));
     }

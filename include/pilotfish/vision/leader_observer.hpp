@@ -84,6 +84,9 @@ class LeaderObserver {
 
   /// Never throws. A frame whose size differs from the calibration's is refused, not scaled.
   Sight observe(const Frame& frame) noexcept;
+  /// The same for whoever searches pictures for several observers at once: `found`, what a detector of the same family
+  /// found in this very frame [px of it], takes the place of the search of the whole picture; empty if nobody searched.
+  Sight observe_detected(const Frame& frame, const Detections& found) noexcept;
 
   /// The next frame is looked at as if nothing had been seen before. The counters stay.
   void forget() noexcept;
@@ -105,9 +108,12 @@ class LeaderObserver {
     RejectionCounters rejected;
     void add(const TagLook& look);
   };
-  Sight look(const Frame& frame);
+  Sight try_to_look(const Frame& frame, const Detections* found) noexcept;
+  Sight look(const Frame& frame, const Detections* found);
   Attempt follow_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo) const;
   Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation);
+  /// `origin_px`: where the part of the picture begins that the detections count from.
+  Attempt verify_tags(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px) const;
   /// Counts what the attempt refused, if it is the frame's last word.
   Sight conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
                  const std::optional<Eigen::Isometry3d>& predicted_cMo);
