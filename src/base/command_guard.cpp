@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pilotfish/core/utime.hpp"
+
 namespace pilotfish::base {
 namespace {
 
@@ -81,7 +83,7 @@ CommandVerdict CommandGuard::hear(const CommandHeard& command, MonotonicTime arr
   if (sender->ended) return CommandVerdict::session_ended;
   if (obeyed_ != 0 && obeyed_ != command.session) return CommandVerdict::foreign;
   if (obeyed_ == command.session) last_heard_ = now;
-  if (now.us - arrived.us >= microseconds(config_.max_command_age_s)) return CommandVerdict::stale;
+  if (later(arrived.us, microseconds(config_.max_command_age_s)) <= now.us) return CommandVerdict::stale;
   if (now < gap_until_) return CommandVerdict::after_gap;
   // Who was only silent (a process that was stopped for a while) may go on, with counters that still rise. Once
   // somebody else drives, its session is over for good.

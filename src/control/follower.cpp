@@ -71,8 +71,12 @@ Follower::Follower(FollowerConfig config)
   for (LawDescription& law : config_.laws)
     for (const LawParameter& parameter : law.parameters) set_parameter(law, parameter.key, parameter.value);
   set_active_law(config_, config_.active_law);
-  for (const LawDescription& law : config_.laws)
-    if (law.name == config_.active_law) other_law_ = law.make(law.parameters, config_.limits);
+  for (const LawDescription& law : config_.laws) {
+    if (law.name != config_.active_law) continue;
+    if (law.make) other_law_ = law.make(law.parameters, config_.limits);
+    // Else the fuzzy law would drive under another one's name.
+    if (!other_law_) throw ConfigError("control." + law.name, "cannot be made: its description makes no law");
+  }
   if (!other_law_ || !config_.law.rules.consequents.empty()) fuzzy::prove(config_.law);
 }
 

@@ -140,7 +140,7 @@ StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& s
   held_.ever_measured = true;
   held_.command = control.command;
   held_.from = now_;
-  held_.until = {now_.us + max_age_us_ - age_us};
+  held_.until = {later(now_.us, max_age_us_ - age_us)};
   held_.holding = true;
   return {utime, Status::tracking, Reason::none, sight.observation, control, control.command};
 }

@@ -91,6 +91,7 @@ void prove_output(const Controller& c) {
 }  // namespace
 
 void prove(Controller& controller) {
+  controller.plan = nullptr;  // of what was proved before: should this fail, nothing is proved
   for (const LinguisticVariable* variable : {&controller.error, &controller.error_change, &controller.output}) {
     validate(*variable);
     prove_areas(*variable);
@@ -98,8 +99,10 @@ void prove(Controller& controller) {
   prove_coverage(controller.error);
   prove_coverage(controller.error_change);
   prove_rules(controller);
-  controller.plan = std::make_shared<const Plan>(controller);
-  prove_output(controller);
+  Controller planned = controller;
+  planned.plan = std::make_shared<const Plan>(planned);
+  prove_output(planned);
+  controller.plan = std::move(planned.plan);
 }
 
 }  // namespace pilotfish::fuzzy

@@ -42,6 +42,8 @@ std::optional<Size> read_header(tjhandle codec, const std::uint8_t* data, std::s
 }  // namespace
 
 std::vector<std::uint8_t> encode(const ImageView& image) {
+  // Of an empty picture libjpeg-turbo asks for 2^64 - 1 bytes; and what cannot be read is not its to find out.
+  if (check(image) != Reason::none) return {};
   const Codec codec(tjInitCompress());
   if (!codec) return {};
   std::vector<std::uint8_t> bytes(tjBufSize(image.width, image.height, TJSAMP_GRAY));

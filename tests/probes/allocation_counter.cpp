@@ -8,7 +8,7 @@ namespace {
 std::atomic<std::int64_t> count{0};
 }  // namespace
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
 bool pilotfish::probes::can_count_allocations() noexcept { return false; }
 

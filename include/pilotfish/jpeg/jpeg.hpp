@@ -20,7 +20,7 @@ struct Size {
   int height = 0;
 };
 
-/// The picture as one baseline JPEG; empty if it cannot be encoded.
+/// The picture as one baseline JPEG; empty if it cannot be encoded, as what check() refuses.
 std::vector<std::uint8_t> encode(const ImageView& image);
 
 /// What the header claims, before anything is allocated or decoded; nothing if there is no sound header, or if a side

@@ -1,0 +1,88 @@
+#include "pilotfish/vision/leader_observer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <type_traits>
+
+#include "pilotfish/core/checkpoint.hpp"
+#include "tag_picture.hpp"
+
+namespace {
+
+using namespace pilotfish;
+using namespace pilotfish::vision;
+
+static_assert(std::is_nothrow_move_constructible_v<LeaderObserver>);
+static_assert(!std::is_copy_constructible_v<LeaderObserver>);
+static_assert(noexcept(std::declval<LeaderObserver&>().observe(std::declval<const Frame&>())));
+static_assert(noexcept(std::declval<LeaderObserver&>().forget()));
+
+/// 64 pixels of a tag of 0.16 m at fx = 400: it is 400 * 0.16 / 64 = 1 m away, and right ahead.
+CameraModel camera() { return {200, 200, 400.0, 400.0, 99.5, 99.5}; }
+
+LeaderBody body() {
+  LeaderBody body;
+  BodyTag tag;
+  tag.id = 7;
+  body.tags.push_back(tag);
+  return body;
+}
+
+TEST(LeaderObserver, MeasuresAMetreWhereItMustBeOne) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  const Sight sight = observer.observe(tests::tag_frame(7));
+  ASSERT_TRUE(sight.observation.has_value()) << to_string(sight.reason);
+  EXPECT_NEAR(sight.observation->distance_m, 1.0, 0.01);
+  EXPECT_NEAR(sight.observation->bearing_rad, 0.0, 0.002);
+}
+
+TEST(LeaderObserver, StillTracksAfterAMove) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  ASSERT_TRUE(observer.observe(tests::tag_frame(7, 0)).observation.has_value());
+  LeaderObserver moved = std::move(observer);
+  const Sight sight = moved.observe(tests::tag_frame(7, 33'333));
+  ASSERT_TRUE(sight.observation.has_value()) << to_string(sight.reason);
+  EXPECT_EQ(sight.observation->found_by, FoundBy::track);  // it knows where the leader was
+  EXPECT_EQ(moved.whole_picture_searches(), 1);
+}
+
+TEST(LeaderObserver, SearchesAgainAfterItHasForgotten) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  observer.observe(tests::tag_frame(7, 0));
+  observer.forget();
+  const Sight sight = observer.observe(tests::tag_frame(7, 33'333));
+  ASSERT_TRUE(sight.observation.has_value()) << to_string(sight.reason);
+  EXPECT_EQ(sight.observation->found_by, FoundBy::frame);
+}
+
+TEST(LeaderObserver, DoesNotTakeAStrangersTag) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  const Sight sight = observer.observe(tests::tag_frame(8));
+  EXPECT_FALSE(sight.observation.has_value());
+  EXPECT_EQ(sight.reason, Reason::no_tag_of_the_leader);
+  EXPECT_EQ(observer.rejected().foreign_id, 1);
+}
+
+TEST(LeaderObserver, RefusesAnotherSizeThanTheCalibrations) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  const Frame frame = Frame::from_pixels(0, 201, 200, std::vector<std::uint8_t>(201 * 200, 200));
+  EXPECT_EQ(observer.observe(frame).reason, Reason::frame_size_not_calibrated);
+}
+
+TEST(LeaderObserver, IsNotMadeForALeaderWithoutTags) {
+  EXPECT_THROW(LeaderObserver(camera(), {}, LeaderBody{}, {}), ConfigError);
+  LeaderBody twice = body();
+  twice.tags.push_back(twice.tags[0]);
+  EXPECT_THROW(LeaderObserver(camera(), {}, twice, {}), ConfigError);
+  LeaderBody beyond = body();
+  beyond.tags[0].id = 587;  // the family has 0 to 586
+  EXPECT_THROW(LeaderObserver(camera(), {}, beyond, {}), ConfigError);
+}
+
+TEST(RejectionCounters, AreNamedEachOnce) {
+  RejectionCounters counters;
+  for (const auto& named : RejectionCounters::all()) ++(counters.*named.count);
+  for (const auto& named : RejectionCounters::all()) EXPECT_EQ(counters.*named.count, 1) << named.name;
+}
+
+}  // namespace
