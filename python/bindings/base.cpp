@@ -27,12 +27,12 @@ void bind_kinematics(py::module_& m) {
       py::arg("geometry"), py::arg("twist"), "(left_radps, right_radps)");
   m.def(
       "twist_of",
-      [](const DriveGeometry& geometry, double left_radps, double right_radps,
-         "Twist of the base whose wheels turn with left_radps and right_radps [rad/s], positive: forwards: v = r "
-         "(right + left) / 2, w = r (right - left) / b.") {
+      [](const DriveGeometry& geometry, double left_radps, double right_radps) {
         return twist_of(geometry, {left_radps, right_radps});
       },
-      py::arg("geometry"), py::kw_only(), py::arg("left_radps"), py::arg("right_radps"));
+      py::arg("geometry"), py::kw_only(), py::arg("left_radps"), py::arg("right_radps"),
+      "Twist of the base whose wheels turn with left_radps and right_radps [rad/s], positive: forwards: v = r "
+      "(right + left) / 2, w = r (right - left) / b.");
   py::class_<WheelOdometry>(m, "WheelOdometry", "Where the wheels have rolled to.")
       .def(py::init<const DriveGeometry&, double>(), py::arg("geometry"), py::kw_only(), py::arg("max_wheel_radps"),
            "max_wheel_radps [rad/s]: what the wheels can do; readings that say more than twice that are no motion but "
@@ -135,19 +135,16 @@ void bind_base(py::module_& m) {
 void bind_serial(py::module_& m) {
   m.attr("MAX_LINE") = kMaxLine;
   m.def(
-      "crc8",
-      [](const py::bytes& text, "CRC-8 (polynomial 0x07, start 0) of the bytes, 0 to 255.") {
-        return crc8(static_cast<std::string>(text));
-      },
-      py::arg("text"));
+      "crc8", [](const py::bytes& text) { return crc8(static_cast<std::string>(text)); }, py::arg("text"),
+      "CRC-8 (polynomial 0x07, start 0) of the bytes, 0 to 255.");
   m.def(
       "set_point_line",
-      [](std::uint16_t sequence, double left_radps, double right_radps,
-         "b\"$PFW,<sequence>,<left>,<right>*HH\\r\\n\": the line that tells the wheels their speeds [rad/s], positive: "
-         "forwards; sent in mrad/s, what is not finite as zero.") {
+      [](std::uint16_t sequence, double left_radps, double right_radps) {
         return py::bytes(std::string(SetPointLine(sequence, {left_radps, right_radps}).text()));
       },
-      py::kw_only(), py::arg("sequence"), py::arg("left_radps"), py::arg("right_radps"));
+      py::kw_only(), py::arg("sequence"), py::arg("left_radps"), py::arg("right_radps"),
+      "b\"$PFW,<sequence>,<left>,<right>*HH\\r\\n\": the line that tells the wheels their speeds [rad/s], positive: "
+      "forwards; sent in mrad/s, what is not finite as zero.");
   py::class_<ControllerLine>(m, "ControllerLine", "What the controller says of the wheels.")
       .def_readonly("sequence", &ControllerLine::sequence, "of the last good set-point line that the controller heard")
       .def_readonly("faults", &ControllerLine::faults,

@@ -73,12 +73,9 @@ void bind_config(py::module_& m) {
            py::arg("files"), py::arg("overrides"), "files: list of ConfigText; overrides: ConfigOverrides.")
       .def_readonly("files", &ConfigBundle::files, "list of ConfigText, a copy")
       .def_readonly("overrides", &ConfigBundle::overrides, "ConfigOverrides of the command line");
-  m.def(
-      "bundle_config", &config::bundle_config,
-      py::arg(
-          "path",
-          "The ConfigBundle of a configuration file that load_coordinator() takes. ValueError names the key at fault."),
-      py::arg_v("overrides", ConfigOverrides{}, "pilotfish.coordinator.ConfigOverrides()"));
+  m.def("bundle_config", &config::bundle_config, py::arg("path"),
+        py::arg_v("overrides", ConfigOverrides{}, "pilotfish.coordinator.ConfigOverrides()"),
+        "The ConfigBundle of a configuration file that load_coordinator() takes. ValueError names the key at fault.");
   m.def("load_bundle", &config::load_bundle, py::arg("bundle"), "ValueError names the key at fault.");
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
   m.def(
@@ -103,8 +100,8 @@ void bind_config(py::module_& m) {
       "names "
       "the key at fault, and refuses a tuning whose sections the law does not read.");
   m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
-  m.def("load_leader_body", &config::load_leader_body,
-        py::arg("path", "The LeaderBody of a leader file, see data/leaders. ValueError names the key at fault."));
+  m.def("load_leader_body", &config::load_leader_body, py::arg("path"),
+        "The LeaderBody of a leader file, see data/leaders. ValueError names the key at fault.");
   m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");
 }
 

@@ -32,7 +32,7 @@ class Law {
   virtual void remember(CheckpointReader&) {}
 };
 
-/// A number in the configuration's section control.<name of the law>.
+/// A number in the configuration's section control.NAME of the law NAME.
 struct LawParameter {
   std::string key;  ///< carries the unit
   double value = 0.0;
