@@ -12,9 +12,9 @@ html_theme = "furo"
 html_title = "Pilotfish in Python"
 default_role = "code"
 autodoc_member_order = "bysource"
-autodoc_default_options = {"members": True, "undoc-members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True, "undoc-members": True}
 autodoc_typehints = "signature"
-autoclass_content = "class"
+autoclass_content = "both"
 add_module_names = False
 python_use_unqualified_type_names = True
 
