@@ -27,8 +27,8 @@ def said(member, name):
 
 
 def members_of(cls, prefix):
-    """(dotted name, member, its own name) of a class, and of those inside it. What an exception or an enumerator holds by
-    itself is not ours."""
+    """(dotted name, member, its own name) of a class, and of those inside it. What an exception or an enumerator
+    holds by itself is not ours."""
     yield prefix, cls, cls.__name__
     if issubclass(cls, BaseException):
         return
