@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 TABLE = re.compile(r"& (\w+)::parameters\(\) \{(.*?)\n\}", re.DOTALL)
-ROW = re.compile(r'\{\s*"(\w+)",\s*&C::(\w+),\s*([^,{}"]+?),\s*([^,{}"]+?),\s*((?:"(?:[^"\\]|\\.)*"\s*)+)\}')
-TEXT_ROW = re.compile(r'\{\s*"(\w+)",\s*&C::(\w+),()()\s*\{\},\s*\{\},\s*((?:"(?:[^"\\]|\\.)*"\s*)+)\}')
+ROW = re.compile(r'\{\s*"(\w+)",\s*&\w+::(\w+),\s*([^,{}"]+?),\s*([^,{}"]+?),\s*((?:"(?:[^"\\]|\\.)*"\s*)+)\}')
+TEXT_ROW = re.compile(r'\{\s*"(\w+)",\s*&\w+::(\w+),()()\s*\{\},\s*\{\},\s*((?:"(?:[^"\\]|\\.)*"\s*)+)\}')
 STRUCT = re.compile(r"^(?:struct|class) (\w+)\b[^;]*$")
 MEMBER = re.compile(r"^\s+[\w:<>, ]+ (\w+)(?: = [^;]*|\{[^;]*\})?;$")
 

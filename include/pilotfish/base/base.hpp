@@ -53,9 +53,9 @@ std::string_view to_string(BaseState state) noexcept;
 
 /// What the wheels are to be told, and why.
 struct BaseOutput {
-  BaseState state = BaseState::waiting;
-  Twist told;              ///< behind every limit; zero unless `driving`
-  std::int64_t obeys = 0;  ///< 0: nobody
+  BaseState state = BaseState::waiting;  ///< what the wheels' process is doing
+  Twist told;                            ///< behind every limit; zero unless `driving`
+  std::int64_t obeys = 0;                ///< 0: nobody
 };
 
 /// Everything that decides what the wheels are told, without a clock, a bus or a line:

@@ -52,7 +52,7 @@ std::string_view first_fault(std::uint16_t faults) noexcept;
 struct ControllerLine {
   std::uint16_t sequence = 0;  ///< of the last good set-point line
   EncoderReading encoders;
-  std::uint16_t faults = 0;
+  std::uint16_t faults = 0;  ///< bits: 1 watchdog, 2 motor, 4 overcurrent, 8 encoder, 16 supply, 32 emergency stop
 };
 
 /// Bytes in, lines out. Never believes a length, never asks for memory.

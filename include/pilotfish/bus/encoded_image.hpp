@@ -16,9 +16,9 @@ namespace pilotfish::bus {
 /// A picture as it came: type, sizes, format and time are checked, and not one pixel has been decoded. So whoever
 /// gets more pictures than it can use throws the old ones away for nothing.
 struct EncodedImage {
-  std::int64_t utime = 0;
-  int width = 0;
-  int height = 0;
+  std::int64_t utime = 0;  ///< exposure time [us], on the clock of whoever took the picture
+  int width = 0;           ///< claimed width [px]
+  int height = 0;          ///< claimed height [px]
   bool is_jpeg = false;
   MonotonicTime arrival;                                     ///< when its first byte reached this host
   std::shared_ptr<const std::vector<std::uint8_t>> message;  ///< bot_core.image_t

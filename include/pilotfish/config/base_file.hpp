@@ -27,8 +27,8 @@ WheelDriver driver_from(const std::string& text);
 struct BaseFile {
   std::string name = "robot1";  ///< the robot's name on the bus
   WheelDriver driver;
-  std::string key_file;  ///< for bus::load_key(); empty: commands and setpoints are not authenticated
-  base::BaseConfig base;
+  std::string key_file;   ///< for bus::load_key(); empty: commands and setpoints are not authenticated
+  base::BaseConfig base;  ///< limits, wheels, guards
 };
 /// Throws ConfigError naming the key.
 BaseFile load_base(const std::filesystem::path& file);

@@ -27,8 +27,8 @@ struct ConfigText {
 
 /// Everything a coordinator is configured with, as texts: from it the same coordinator can be made anywhere.
 struct ConfigBundle {
-  std::vector<ConfigText> files;
-  ConfigOverrides overrides;
+  std::vector<ConfigText> files;  ///< list of ConfigText, a copy
+  ConfigOverrides overrides;      ///< ConfigOverrides of the command line
 };
 
 /// Of a configuration that load_coordinator() takes. Throws ConfigError.

@@ -63,8 +63,8 @@ struct CoordinatorFile {
   std::string announcements_from;  ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
   std::string key_file;            ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;     ///< expected of the source; 1/T of the law unless control_period_s says otherwise
-  BlackBoxConfig black_box;
-  CoordinatorConfig coordinator;
+  BlackBoxConfig black_box;        ///< where and how much is recorded
+  CoordinatorConfig coordinator;   ///< what Coordinator() takes
 };
 /// Throws ConfigError naming the key.
 CoordinatorFile load_coordinator(const std::filesystem::path& file);

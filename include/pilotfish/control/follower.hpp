@@ -34,8 +34,8 @@ std::string_view to_string(Profile profile) noexcept;
 Profile profile_from(std::string_view name);
 
 struct FollowerConfig {
-  Profile profile = Profile::anticipate;
-  fuzzy::Controller law;  ///< the fuzzy one; may be left empty where another law drives
+  Profile profile = Profile::anticipate;  ///< how the fuzzy law drives
+  fuzzy::Controller law;                  ///< the fuzzy one; may be left empty where another law drives
   FuzzyVelocityConfig velocity;
   HeadingControllerConfig heading;
   LimitsConfig limits;
@@ -75,8 +75,8 @@ struct FollowerOutput {
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
   std::optional<LeaderMotion> leader;
   double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
-  OwnMotionSource own_motion = OwnMotionSource::commanded;
-  AnnouncementUse announcement = AnnouncementUse::silent;
+  OwnMotionSource own_motion = OwnMotionSource::commanded;  ///< where the own motion was taken from
+  AnnouncementUse announcement = AnnouncementUse::silent;   ///< what the leader's word was worth
 };
 
 /// The way into this room: Observation in, Twist out. Time comes from the observations.

@@ -34,17 +34,17 @@ class Law {
 
 /// A number in the configuration's section control.NAME of the law NAME.
 struct LawParameter {
-  std::string key;  ///< carries the unit
-  double value = 0.0;
+  std::string key;              ///< carries the unit
+  double value = 0.0;           ///< the value, in the key's unit
   double min = 0.0, max = 0.0;  ///< inclusive
   std::string text;             ///< one sentence for the documentation
 };
 
 /// A law as the configuration, the command line, the documentation and Python know it.
 struct LawDescription {
-  std::string name;  ///< one word, as in `law: pid`
-  std::string text;  ///< one line for lists
-  std::vector<LawParameter> parameters;
+  std::string name;                      ///< one word, as in `law: pid`
+  std::string text;                      ///< one line for lists
+  std::vector<LawParameter> parameters;  ///< list of LawParameter, a copy
   std::function<std::unique_ptr<Law>(const std::vector<LawParameter>&, const LimitsConfig&)> make;
 };
 

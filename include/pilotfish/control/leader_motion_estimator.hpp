@@ -101,9 +101,9 @@ class LeaderMotionEstimator {
 /// The leader as seen from a pose of the coordinator: what the law works on.
 struct LeaderMotion {
   double distance_m = 0.0, bearing_rad = 0.0, heading_rad = 0.0;
-  double radial_mps = 0.0;      ///< the leader's own velocity along the line of sight, away from the coordinator
-  double tangential_mps = 0.0;  ///< and across it, to the left
-  double turn_rate_radps = 0.0;
+  double radial_mps = 0.0;       ///< the leader's own velocity along the line of sight, away from the coordinator
+  double tangential_mps = 0.0;   ///< and across it, to the left
+  double turn_rate_radps = 0.0;  ///< the leader's own turn rate [rad/s], positive: to the left
   double distance_sigma_m = 0.0, radial_sigma_mps = 0.0, tangential_sigma_mps = 0.0;
 };
 LeaderMotion seen_from(const Pose2& own, const LeaderEstimate& leader) noexcept;

@@ -35,9 +35,9 @@ inline constexpr double kMinFramesPerMaxAge = 1.2;
 
 /// Everything a coordinator needs to know; see data/config/coordinator.yaml.
 struct CoordinatorConfig {
-  CameraModel camera;
-  CameraMounting mounting;
-  LeaderBody leader;
+  CameraModel camera;       ///< size and lens of the coordinator's camera
+  CameraMounting mounting;  ///< where it sits on the coordinator
+  LeaderBody leader;        ///< the tags to follow
   vision::LeaderObserverConfig vision;
   control::FollowerConfig control;
   SafetyConfig safety;
@@ -55,9 +55,9 @@ struct CoordinatorConfig {
 
 /// What one frame led to: status and reason, the measurement, the law's inner life, the command.
 struct StepResult {
-  std::int64_t utime = 0;  ///< exposure of the frame this answers [us]
-  Status status = Status::searching;
-  Reason reason = Reason::none;
+  std::int64_t utime = 0;                          ///< exposure of the frame this answers [us]
+  Status status = Status::searching;               ///< Status of the coordinator
+  Reason reason = Reason::none;                    ///< Reason for the status
   std::optional<Observation> observation;          ///< only when measured in this very frame
   std::optional<control::FollowerOutput> control;  ///< only when the law ran in this very frame
   Twist command;                                   ///< what the wheels should do now

@@ -43,8 +43,8 @@ enum class SetpointVerdict { accepted, stopped, wrong_session, replayed, too_nea
 std::string_view to_string(SetpointVerdict verdict) noexcept;
 
 struct SetpointDecision {
-  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;
-  Setpoint setpoint;  ///< to be kept from now on
+  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;  ///< what the gate says of the message
+  Setpoint setpoint;                                         ///< to be kept from now on
 };
 
 /// Who may tell a coordinator what to keep.

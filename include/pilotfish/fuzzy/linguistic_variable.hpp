@@ -17,16 +17,16 @@ inline constexpr std::size_t kMaxTerms = 16;
 
 /// A linguistic term: a label such as "NB" (negative big) and its fuzzy set.
 struct Term {
-  std::string label;
-  MembershipFunction set;
+  std::string label;       ///< the word for it, e.g. NS
+  MembershipFunction set;  ///< Triangle, Trapezoid or Gaussian
 };
 
 /// A linguistic variable: a name, its universe of discourse and its terms, from negative to positive.
 struct LinguisticVariable {
-  std::string name;
-  double min = -1.0;
-  double max = 1.0;
-  std::vector<Term> terms;
+  std::string name;         ///< name of the variable, e.g. E
+  double min = -1.0;        ///< lower end of the universe
+  double max = 1.0;         ///< upper end of the universe
+  std::vector<Term> terms;  ///< list of Term from negative to positive, a copy
 
   /// The value the controller works with: inputs outside the universe saturate at its ends; NaN stays NaN.
   double saturate(double x) const noexcept { return x < min ? min : (x > max ? max : x); }

@@ -36,13 +36,13 @@ Progress progress_at(const SpeedProfile& profile, double time_s);
 struct Still {};
 
 struct Line {
-  SpeedProfile profile;
+  SpeedProfile profile;  ///< SpeedProfile along the line
 };
 
 struct Circle {
-  double radius_m = 1.0;
+  double radius_m = 1.0;   ///< [m], of the base's origin
   bool clockwise = false;  ///< false: turns to the left
-  SpeedProfile profile;
+  SpeedProfile profile;    ///< SpeedProfile along the arc
   static const std::vector<Parameter<Circle>>& parameters();
 };
 
@@ -51,7 +51,7 @@ struct Circle {
 struct FigureEight {
   double half_length_m = 1.5;  ///< a: from the crossing to the far end of a lobe
   double half_width_m = 1.0;   ///< b: a lobe is as wide as b
-  SpeedProfile profile;
+  SpeedProfile profile;        ///< SpeedProfile along the arc
   static const std::vector<Parameter<FigureEight>>& parameters();
 };
 double lap_length_m(const FigureEight& eight);
@@ -67,8 +67,8 @@ struct Waypoint {
 /// Turns on the spot towards the next point, drives there in a straight line, stops, waits. Every move starts
 /// and ends at rest with a trapezoidal speed.
 struct Waypoints {
-  std::vector<Waypoint> points;
-  bool repeat = false;  ///< after the last point go to the first one again
+  std::vector<Waypoint> points;  ///< list of Waypoint; getting it gives a copy, so set it as a whole
+  bool repeat = false;           ///< after the last point go to the first one again
   double speed_mps = 0.2;
   double acceleration_mps2 = 0.5;
   double turn_rate_radps = 0.5;

@@ -12,8 +12,8 @@ namespace pilotfish::sim {
 
 /// Where a robot is and how fast it really moves.
 struct UnicycleState {
-  Pose2 pose;
-  Twist twist;
+  Pose2 pose;   ///< Pose2 of the base in the world frame
+  Twist twist;  ///< Twist that the wheels really do, in the base frame
 };
 
 /// What a drive can do, and how late it does it.

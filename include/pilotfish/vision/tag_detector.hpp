@@ -27,8 +27,8 @@ struct Detections {
   Reason input = Reason::none;    ///< why the picture was not even looked at
   std::vector<TagSighting> tags;  ///< sorted by id, then by decision margin (best first)
   std::vector<int> refused_ids;   ///< of the tags that a gate turned away, sorted
-  int refused_hamming = 0;
-  int refused_margin = 0;
+  int refused_hamming = 0;        ///< number of tags with more corrected bits than max_hamming
+  int refused_margin = 0;         ///< number of tags with a decision margin below min_decision_margin
 };
 
 /// libapriltag behind a safe edge: sizes are checked before it is called (it asserts or crashes on tiny and

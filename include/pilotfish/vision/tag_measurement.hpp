@@ -28,9 +28,9 @@ struct BitGates {
 
 /// One tag, verified and measured in this very frame.
 struct TagMeasurement {
-  TagSighting tag;
+  TagSighting tag;                             ///< id, bits and the fitted corners [px]
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of the corners (u0, v0, u1, v1, ...)
-  Appearance appearance;
+  Appearance appearance;                       ///< Appearance of its print: gray levels and blur
 };
 using TagMeasurements = BoundedVector<TagMeasurement, kMaxTagsOnBody>;
 
