@@ -42,6 +42,7 @@ using Counters = std::map<std::string, std::int64_t>;
 
 /// pilotfish.base_t, out and in.
 struct BaseReport {
+  /// What the wheels' process is doing: base_t's STATE_ numbers.
   enum class State { waiting, driving, stopped, fault };
   std::int64_t utime = 0;         ///< when it was sent [us]
   std::int64_t session = 0;       ///< of the wheels' process; commands name it
@@ -78,13 +79,16 @@ struct StatusReport {
   std::int64_t utime = 0;             ///< exposure [us] of the image this answers
   Status status = Status::searching;  ///< what the coordinator is doing
   Reason reason = Reason::none;       ///< Reason for the status
+  /// E = d_p - d [m], positive: too close; and ec, its change over one control period.
   double error_m = 0.0, error_change_m = 0.0;
   double output = 0.0;  ///< u of the fuzzy law, normalised
+  /// Of the rules, in [0, 1], row by row.
   std::array<double, kStatusRules> strengths{};
   std::int64_t session = 0;           ///< the coordinator's
   std::int64_t setpoint_counter = 0;  ///< of the last setpoint accepted in this session
   Setpoint setpoint;                  ///< Setpoint that is kept
   double trust = 0.0;                 ///< share of the feed-forward in the command
+  /// The leader's own speed along the line of sight, across it (to the left), and its turn rate.
   double leader_radial_mps = 0.0, leader_tangential_mps = 0.0, leader_turn_rate_radps = 0.0;
   std::int8_t own_motion = 0;          ///< status_t's OWN_MOTION_ numbers
   std::int8_t announcement = 0;        ///< status_t's ANNOUNCEMENT_ numbers
@@ -102,6 +106,7 @@ struct StatusReport {
 /// A robot's true pose in the world: bot_core.pose_t.
 struct PoseReport {
   std::int64_t utime = 0;  ///< time of the pose [us]
+  /// In the world frame [m], [rad].
   double x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
   Twist velocity;  ///< Twist in the robot's base frame
 };

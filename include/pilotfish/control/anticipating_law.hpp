@@ -33,7 +33,7 @@ struct FieldOfView {
 
 /// What the drive can do about it: limits, and how long it takes until it begins.
 struct Reaction {
-  LimitsConfig limits;
+  LimitsConfig limits;   ///< what the drive can do
   double delay_s = 0.0;  ///< latency and lag together
 };
 

@@ -43,7 +43,7 @@ std::string_view to_string(FoundBy found_by) noexcept;
 
 /// What one frame says by itself, with the planar solution that the headings so far speak for.
 struct RelativeMeasurement {
-  RelativePose pose;
+  RelativePose pose;                                     ///< distance, bearing and heading
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (distance_m, bearing_rad, heading_rad)
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
@@ -69,10 +69,10 @@ struct Observation {
   /// Error of the worse planar solution over the better one's, in standard deviations of the corners (>= 1). Near 1 the
   /// heading cannot be told from one picture; kMaxAmbiguityRatio where there is no second solution.
   double ambiguity_ratio = 1.0;
-  double reprojection_error_px = 0.0;  ///< RMS over all corners used
-  double min_decision_margin = 0.0;    ///< of the tags used
-  FoundBy found_by = FoundBy::frame;   ///< how the tags were found
-  BoundedVector<TagSighting, kMaxTagsOnBody> tags;
+  double reprojection_error_px = 0.0;               ///< RMS over all corners used
+  double min_decision_margin = 0.0;                 ///< of the tags used
+  FoundBy found_by = FoundBy::frame;                ///< how the tags were found
+  BoundedVector<TagSighting, kMaxTagsOnBody> tags;  ///< those used
 };
 
 }  // namespace pilotfish

@@ -38,10 +38,11 @@ struct LinguisticVariable {
 /// What cannot be proved, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
 class ProofError : public std::invalid_argument {
  public:
+  /// `where`: the variable, term or cell at fault.
   ProofError(std::string where, const std::string& problem)
       : std::invalid_argument(where + ": " + problem), where_(std::move(where)), problem_(problem) {}
-  const std::string& where() const { return where_; }
-  const std::string& problem() const { return problem_; }
+  const std::string& where() const { return where_; }      ///< the variable, term or cell at fault
+  const std::string& problem() const { return problem_; }  ///< what is wrong with it
 
  private:
   std::string where_, problem_;

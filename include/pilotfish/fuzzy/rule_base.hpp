@@ -17,7 +17,8 @@ struct RuleBase {
   std::size_t columns = 0;               ///< number of terms of EC
   std::vector<std::size_t> consequents;  ///< index of the output term, [row * columns + column]
 
-  std::size_t size() const { return consequents.size(); }
+  std::size_t size() const { return consequents.size(); }  ///< number of rules
+  /// Index of the output term of a cell.
   std::size_t consequent(std::size_t row, std::size_t column) const { return consequents[row * columns + column]; }
 };
 

@@ -22,6 +22,7 @@ namespace pilotfish::sim {
 struct Visibility {
   double hidden_from_s = kNever_s;
   double hidden_until_s = kNever_s;
+  /// False while it is hidden.
   bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
   static const std::vector<Parameter<Visibility>>& parameters();
 };

@@ -28,17 +28,19 @@ struct SpeedProfile {
 /// Distance covered and speed at a time. With T = min(t, stop) - start the time spent driving:
 ///   rising  s = a T^2 / 2 until v/a,  steady  s = v (T - v / 2a),  braking  s = s_stop + v_stop u - a u^2 / 2.
 struct Progress {
-  double distance_m = 0.0;
-  double speed_mps = 0.0;
+  double distance_m = 0.0;  ///< along the path [m]
+  double speed_mps = 0.0;   ///< along the path [m/s]
 };
 Progress progress_at(const SpeedProfile& profile, double time_s);
 
 struct Still {};
 
+/// Straight ahead.
 struct Line {
   SpeedProfile profile;  ///< SpeedProfile along the line
 };
 
+/// A circular arc.
 struct Circle {
   double radius_m = 1.0;   ///< [m], of the base's origin
   bool clockwise = false;  ///< false: turns to the left

@@ -17,13 +17,14 @@ namespace pilotfish::vision {
 
 struct SearchRegion;
 
+/// How a leader is looked for and followed.
 struct LeaderObserverConfig {
   double acquisition_range_m = 5.0;  ///< a leader that nobody follows yet is looked for up to this distance
   TagDetectorConfig detector;        ///< how tags are found
   TagGates gates;                    ///< which of them are believed
   LeaderPoseConfig pose;             ///< which poses are believed
-  HeadingFilterConfig heading;
-  LeaderTrackConfig track;
+  HeadingFilterConfig heading;       ///< which of two solutions
+  LeaderTrackConfig track;           ///< how a leader can move
   static const std::vector<Parameter<LeaderObserverConfig>>& parameters();  ///< its own: acquisition_range_m
 
   template <class Visit>
@@ -53,10 +54,12 @@ struct RejectionCounters {
   std::int64_t jump = 0;            ///< leaders farther from where they were than anything can have moved
   std::int64_t pose = 0;            ///< corners that no credible pose explains
 
+  /// A counter and its name.
   struct Named {
-    const char* name;  ///< on the wire
-    std::int64_t RejectionCounters::*count;
+    const char* name;                        ///< on the wire
+    std::int64_t RejectionCounters::*count;  ///< which one
   };
+  /// All of them, by name.
   static const std::array<Named, 13>& all() noexcept;
 };
 
@@ -88,7 +91,7 @@ class LeaderObserver {
   /// The next frame is looked at as if nothing had been seen before. The counters stay.
   void forget() noexcept;
 
-  const RejectionCounters& rejected() const { return rejected_; }
+  const RejectionCounters& rejected() const { return rejected_; }  ///< since the start
   /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
   std::int64_t whole_picture_searches() const { return whole_picture_searches_; }
 

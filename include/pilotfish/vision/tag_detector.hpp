@@ -12,6 +12,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+/// How tags are found and which are believed.
 struct TagDetectorConfig {
   /// Find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size). 0: whoever knows how large
   /// the tags look chooses, see decimation_for(); a detector by itself takes 1.
@@ -39,8 +40,8 @@ class TagDetector {
   /// `family`: a name that TagFamily knows. Throws ConfigError on an unknown family or a parameter out of range.
   TagDetector(const std::string& family, const TagDetectorConfig& config);
   ~TagDetector();
-  TagDetector(TagDetector&&) noexcept;
-  TagDetector& operator=(TagDetector&&) noexcept;
+  TagDetector(TagDetector&&) noexcept;             ///< moved, with its scratch memory
+  TagDetector& operator=(TagDetector&&) noexcept;  ///< moved, with its scratch memory
 
   int family_size() const;  ///< ids run from 0 to family_size() - 1
 
