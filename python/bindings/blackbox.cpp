@@ -33,12 +33,19 @@ PYBIND11_MODULE(blackbox, m) {
             box.frame(frame, {now_us}, result, core);
           },
           py::arg("utime"), py::arg("known_age_us"), py::arg("now_us"), py::arg("result"), py::arg("coordinator"),
-          py::arg("coarse_search") = false, Release())
-      .def("setpoint", &BlackBox::setpoint, py::arg("setpoint"), py::arg("taken"), py::arg("coordinator"), Release())
+          py::arg("coarse_search") = false, Release(),
+          "Right after a step() with a frame exposed at utime [us] that arrived at now_us [us], known to be "
+          "known_age_us [us] old then; result: StepResult; coordinator: after the call.")
+      .def("setpoint", &BlackBox::setpoint, py::arg("setpoint"), py::arg("taken"), py::arg("coordinator"), Release(),
+           "Right after set_setpoint(). taken: what the coordinator returned; coordinator: after the call.")
       .def("own_motion", &BlackBox::own_motion, py::arg("utime"), py::arg("twist"), py::arg("taken"),
-           py::arg("coordinator"), Release())
+           py::arg("coordinator"), Release(),
+           "Right after set_own_motion(utime, twist). taken: what the coordinator returned; coordinator: after the "
+           "call.")
       .def("announced_motion", &BlackBox::announced_motion, py::arg("utime"), py::arg("twist"), py::arg("taken"),
-           py::arg("coordinator"), Release())
+           py::arg("coordinator"), Release(),
+           "Right after set_announced_motion(utime, twist). taken: what the coordinator returned; coordinator: after "
+           "the call.")
       .def(
           "sent",
           [](BlackBox& box, const HeldCommand& held, std::int64_t now_us, Reason missing, Status status, Reason reason,
@@ -46,19 +53,28 @@ PYBIND11_MODULE(blackbox, m) {
             box.sent(held, {now_us}, missing, {status, reason, command}, session, counter);
           },
           py::arg("held"), py::kw_only(), py::arg("now_us"), py::arg("missing"), py::arg("status"), py::arg("reason"),
-          py::arg("command"), py::arg("session") = 0, py::arg("counter") = 0, Release())
+          py::arg("command"), py::arg("session") = 0, py::arg("counter") = 0, Release(),
+          "A command that was sent at now_us [us]: what the sender held, and what it knew to be missing, made this "
+          "status, reason and command.")
       .def(
           "message",
           [](BlackBox& box, const std::string& channel, const py::bytes& data) {
             const std::string_view bytes = data;
             box.message(channel, bytes.data(), bytes.size());
           },
-          py::arg("channel"), py::arg("data"))
-      .def("picture", &BlackBox::picture, py::arg("frame"), Release())
-      .def_property_readonly("written", [](const BlackBox& box) { return box.counters().written; })
-      .def_property_readonly("dropped", [](const BlackBox& box) { return box.counters().dropped; })
-      .def_property_readonly("lost", [](const BlackBox& box) { return box.counters().lost; })
-      .def_property_readonly("files", [](const BlackBox& box) { return box.counters().files; })
+          py::arg("channel"), py::arg("data"), "A message as it went over the bus: its channel and its encoded bytes.")
+      .def("picture", &BlackBox::picture, py::arg("frame"), Release(),
+           "A picture that came raw; at picture_rate_hz it is kept as a JPEG of quality 95, for people.")
+      .def_property_readonly(
+          "written", [](const BlackBox& box) { return box.counters().written; },
+          "events the operating system has taken")
+      .def_property_readonly(
+          "dropped", [](const BlackBox& box) { return box.counters().dropped; },
+          "events that did not fit into the queue: the disk is too slow")
+      .def_property_readonly(
+          "lost", [](const BlackBox& box) { return box.counters().lost; }, "events the disk refused")
+      .def_property_readonly(
+          "files", [](const BlackBox& box) { return box.counters().files; }, "number of files begun")
       .def_property_readonly("trouble", &BlackBox::trouble, "the disk's last refusal, in words");
 
   m.def("program_description", &blackbox::program_description, "Only the same program gives the same bits.");

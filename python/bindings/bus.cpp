@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "pilotfish/bus/log_reader.hpp"
+#include "repr.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
@@ -20,15 +21,18 @@ void bind_reports(py::module_& m) {
            py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("base_session") = 0,
            py::arg("command") = Twist{}, py::arg("simulated") = false,
            py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
-           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"))
-      .def_readwrite("utime", &CommandReport::utime)
-      .def_readwrite("session", &CommandReport::session)
-      .def_readwrite("counter", &CommandReport::counter)
-      .def_readwrite("base_session", &CommandReport::base_session)
-      .def_readwrite("command", &CommandReport::command)
-      .def_readwrite("simulated", &CommandReport::simulated)
-      .def_readwrite("status", &CommandReport::status)
-      .def_readwrite("reason", &CommandReport::reason);
+           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"),
+           "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("utime", &CommandReport::utime,
+                     "exposure [us] of the image it answers; of the last one, when none came")
+      .def_readwrite("session", &CommandReport::session, "the sender's, see new_session_id(); 0: nobody obeys it")
+      .def_readwrite("counter", &CommandReport::counter, "one more with every command sent in this session")
+      .def_readwrite("base_session", &CommandReport::base_session,
+                     "of the wheels' process that the sender has heard; 0: none")
+      .def_readwrite("command", &CommandReport::command, "Twist for the wheels, in the robot's base frame")
+      .def_readwrite("simulated", &CommandReport::simulated, "True: never for real wheels")
+      .def_readwrite("status", &CommandReport::status, "Status of the coordinator")
+      .def_readwrite("reason", &CommandReport::reason, "Reason for the status");
 
   py::class_<SetpointReport>(
       m, "SetpointReport",
@@ -38,14 +42,15 @@ void bind_reports(py::module_& m) {
              return SetpointReport{utime, session, counter, setpoint};
            }),
            py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0,
-           py::arg_v("setpoint", Setpoint{}, "pilotfish.core.Setpoint()"))
-      .def_readwrite("utime", &SetpointReport::utime)
-      .def_readwrite("session", &SetpointReport::session)
-      .def_readwrite("counter", &SetpointReport::counter)
-      .def_readwrite("setpoint", &SetpointReport::setpoint);
+           py::arg_v("setpoint", Setpoint{}, "pilotfish.core.Setpoint()"),
+           "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("utime", &SetpointReport::utime, "when it was sent [us]")
+      .def_readwrite("session", &SetpointReport::session, "of the coordinator it is meant for")
+      .def_readwrite("counter", &SetpointReport::counter, "higher than every one that this session has accepted")
+      .def_readwrite("setpoint", &SetpointReport::setpoint, "Setpoint to keep");
 
   py::class_<BaseReport> base(m, "BaseReport", "pilotfish.base_t, out and in.");
-  py::enum_<BaseReport::State>(base, "State")
+  py::enum_<BaseReport::State>(base, "State", "What the wheels' process is doing; base_t's STATE_ numbers.")
       .value("waiting", BaseReport::State::waiting)
       .value("driving", BaseReport::State::driving)
       .value("stopped", BaseReport::State::stopped)
@@ -59,26 +64,30 @@ void bind_reports(py::module_& m) {
            py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("obeys") = 0,
            py::arg("command") = Twist{}, py::arg("measured") = py::none(), py::arg("stopped") = false,
            py::arg_v("state", BaseReport::State::waiting, "BaseReport.State.waiting"), py::arg("text") = "",
-           py::arg("rejected") = Counters{})
-      .def_readwrite("utime", &BaseReport::utime)
-      .def_readwrite("session", &BaseReport::session)
-      .def_readwrite("counter", &BaseReport::counter)
-      .def_readwrite("obeys", &BaseReport::obeys)
-      .def_readwrite("command", &BaseReport::command)
-      .def_readwrite("measured", &BaseReport::measured)
-      .def_readwrite("stopped", &BaseReport::stopped)
-      .def_readwrite("state", &BaseReport::state)
-      .def_readwrite("text", &BaseReport::text)
-      .def_readwrite("rejected", &BaseReport::rejected);
+           py::arg("rejected") = Counters{}, "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("utime", &BaseReport::utime, "when it was sent [us]")
+      .def_readwrite("session", &BaseReport::session, "of the wheels' process; commands name it")
+      .def_readwrite("counter", &BaseReport::counter, "one more with every report of this session")
+      .def_readwrite("obeys", &BaseReport::obeys, "the session whose commands are obeyed; 0: nobody's")
+      .def_readwrite("command", &BaseReport::command, "Twist that the wheels are told, after every limit")
+      .def_readwrite("measured", &BaseReport::measured,
+                     "Twist that the wheels did, from their encoders; None if nobody measures")
+      .def_readwrite("stopped", &BaseReport::stopped, "True while a stop is latched")
+      .def_readwrite("state", &BaseReport::state, "State: what the wheels' process is doing")
+      .def_readwrite("text", &BaseReport::text, "a line for people; at most 80 letters travel")
+      .def_readwrite("rejected", &BaseReport::rejected, "dict of refusals by name; at most 16 travel");
 
   py::class_<StageReport>(m, "StageReport", "How long a stage of the control loop took: pilotfish.stage_t.")
       .def(py::init([](std::string name, const std::array<std::int32_t, 11>& counts, double max_ms) {
              return StageReport{std::move(name), counts, max_ms};
            }),
-           py::kw_only(), py::arg("name"), py::arg("counts") = std::array<std::int32_t, 11>{}, py::arg("max_ms") = 0.0)
-      .def_readwrite("name", &StageReport::name)
-      .def_readwrite("counts", &StageReport::counts)
-      .def_readwrite("max_ms", &StageReport::max_ms);
+           py::kw_only(), py::arg("name"), py::arg("counts") = std::array<std::int32_t, 11>{}, py::arg("max_ms") = 0.0,
+           "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("name", &StageReport::name, "name of the stage, at most 12 letters")
+      .def_readwrite(
+          "counts", &StageReport::counts,
+          "11 counts: how often less than 0.25, 0.5, 1, ... 128 ms (and not less than the one before), or longer")
+      .def_readwrite("max_ms", &StageReport::max_ms, "the longest time [ms]");
 
   py::class_<ObservationReport>(m, "ObservationReport", "What goes out as pilotfish.observation_t.")
       .def(py::init(
@@ -86,11 +95,12 @@ void bind_reports(py::module_& m) {
                  return ObservationReport{utime, observation, reason, latency_s};
                }),
            py::kw_only(), py::arg("utime"), py::arg("observation") = py::none(),
-           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"), py::arg("latency_s") = 0.0)
-      .def_readwrite("utime", &ObservationReport::utime)
-      .def_readwrite("observation", &ObservationReport::observation)
-      .def_readwrite("reason", &ObservationReport::reason)
-      .def_readwrite("latency_s", &ObservationReport::latency_s);
+           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"), py::arg("latency_s") = 0.0,
+           "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("utime", &ObservationReport::utime, "exposure of the frame [us]")
+      .def_readwrite("observation", &ObservationReport::observation, "Observation of that frame, or None")
+      .def_readwrite("reason", &ObservationReport::reason, "why there is no observation; Reason.none if there is")
+      .def_readwrite("latency_s", &ObservationReport::latency_s, "from the frame's arrival to this message [s]");
 
   py::class_<StatusReport>(m, "StatusReport", "pilotfish.status_t, out and in.")
       .def(py::init([](std::int64_t utime, Status status, Reason reason, double error_m, double error_change_m,
@@ -115,60 +125,75 @@ void bind_reports(py::module_& m) {
            py::arg("error_change_m") = 0.0, py::arg("output") = 0.0,
            py::arg("strengths") = std::array<double, kStatusRules>{},
            py::arg_v("setpoint", Setpoint{}, "pilotfish.core.Setpoint()"), py::arg("frame_rate_hz") = 0.0,
-           py::arg("processing_ms") = 0.0, py::arg("rejected") = std::map<std::string, std::int64_t>{})
-      .def_readwrite("utime", &StatusReport::utime)
-      .def_readwrite("status", &StatusReport::status)
-      .def_readwrite("reason", &StatusReport::reason)
-      .def_readwrite("error_m", &StatusReport::error_m)
-      .def_readwrite("error_change_m", &StatusReport::error_change_m)
-      .def_readwrite("output", &StatusReport::output)
-      .def_readwrite("strengths", &StatusReport::strengths)
-      .def_readwrite("session", &StatusReport::session)
-      .def_readwrite("setpoint_counter", &StatusReport::setpoint_counter)
-      .def_readwrite("setpoint", &StatusReport::setpoint)
-      .def_readwrite("trust", &StatusReport::trust)
-      .def_readwrite("leader_radial_mps", &StatusReport::leader_radial_mps)
-      .def_readwrite("leader_tangential_mps", &StatusReport::leader_tangential_mps)
-      .def_readwrite("leader_turn_rate_radps", &StatusReport::leader_turn_rate_radps)
-      .def_readwrite("own_motion", &StatusReport::own_motion)
-      .def_readwrite("announcement", &StatusReport::announcement)
-      .def_readwrite("latency_s", &StatusReport::latency_s)
-      .def_readwrite("latency_from_exposure", &StatusReport::latency_from_exposure)
-      .def_readwrite("configured_latency_s", &StatusReport::configured_latency_s)
-      .def_readwrite("frame_rate_hz", &StatusReport::frame_rate_hz)
-      .def_readwrite("processing_ms", &StatusReport::processing_ms)
-      .def_readwrite("missed_deadlines", &StatusReport::missed_deadlines)
-      .def_readwrite("clock_epochs", &StatusReport::clock_epochs)
-      .def_readwrite("stages", &StatusReport::stages)
-      .def_readwrite("rejected", &StatusReport::rejected);
+           py::arg("processing_ms") = 0.0, py::arg("rejected") = std::map<std::string, std::int64_t>{},
+           "Fields by keyword, as the attributes of the same name; the others are set afterwards.")
+      .def_readwrite("utime", &StatusReport::utime, "exposure [us] of the image this answers")
+      .def_readwrite("status", &StatusReport::status, "Status: what the coordinator is doing")
+      .def_readwrite("reason", &StatusReport::reason, "Reason for the status")
+      .def_readwrite("error_m", &StatusReport::error_m, "e = d_p - d [m], positive: too close")
+      .def_readwrite("error_change_m", &StatusReport::error_change_m, "ec: change of e over one control period [m]")
+      .def_readwrite("output", &StatusReport::output, "u of the fuzzy law, in its universe [-1, 1]")
+      .def_readwrite(
+          "strengths", &StatusReport::strengths,
+          "56 strengths of the rules (Table I) in [0, 1], row by row: E from NB to PB, within it EC from NB to PB")
+      .def_readwrite("session", &StatusReport::session, "the coordinator's, as in CommandReport")
+      .def_readwrite("setpoint_counter", &StatusReport::setpoint_counter,
+                     "of the last setpoint accepted in this session; the next must be higher")
+      .def_readwrite("setpoint", &StatusReport::setpoint, "Setpoint that is kept")
+      .def_readwrite("trust", &StatusReport::trust,
+                     "share of the feed-forward in the command, 0 to 1; 0: the law as published")
+      .def_readwrite("leader_radial_mps", &StatusReport::leader_radial_mps,
+                     "the leader's own speed along the line of sight [m/s], positive: away; 0 while trust is 0")
+      .def_readwrite("leader_tangential_mps", &StatusReport::leader_tangential_mps,
+                     "and across it [m/s], positive: to the left; 0 while trust is 0")
+      .def_readwrite("leader_turn_rate_radps", &StatusReport::leader_turn_rate_radps,
+                     "the leader's turn rate [rad/s], positive: to the left; 0 while trust is 0")
+      .def_readwrite("own_motion", &StatusReport::own_motion,
+                     "number of the own motion's source: status_t's OWN_MOTION_ numbers")
+      .def_readwrite("announcement", &StatusReport::announcement,
+                     "number of what the leader's announcement is worth: status_t's ANNOUNCEMENT_ numbers")
+      .def_readwrite("latency_s", &StatusReport::latency_s,
+                     "to the command, median of the last frames [s]; without what the wheel driver takes")
+      .def_readwrite("latency_from_exposure", &StatusReport::latency_from_exposure,
+                     "True: latency_s counts from the exposure; False: from the image's arrival")
+      .def_readwrite("configured_latency_s", &StatusReport::configured_latency_s,
+                     "what control.drive.latency_s says [s]")
+      .def_readwrite("frame_rate_hz", &StatusReport::frame_rate_hz, "rate at which frames come [Hz]")
+      .def_readwrite("processing_ms", &StatusReport::processing_ms, "time spent on this frame [ms]")
+      .def_readwrite("missed_deadlines", &StatusReport::missed_deadlines, "commands that left later than they were due")
+      .def_readwrite("clock_epochs", &StatusReport::clock_epochs, "how often the clock of the images was set")
+      .def_readwrite("stages", &StatusReport::stages, "list of StageReport; at most 6 travel")
+      .def_readwrite("rejected", &StatusReport::rejected,
+                     "dict of refusals by name; as many as fit travel with one message, the others with the next");
 
   py::class_<PoseReport>(m, "PoseReport", "What goes out as bot_core.pose_t.")
       .def(py::init([](std::int64_t utime, double x_m, double y_m, double heading_rad, const Twist& velocity) {
              return PoseReport{utime, x_m, y_m, heading_rad, velocity};
            }),
            py::kw_only(), py::arg("utime"), py::arg("x_m"), py::arg("y_m"), py::arg("heading_rad"),
-           py::arg("velocity") = Twist{})
-      .def_readwrite("utime", &PoseReport::utime)
-      .def_readwrite("x_m", &PoseReport::x_m)
-      .def_readwrite("y_m", &PoseReport::y_m)
-      .def_readwrite("heading_rad", &PoseReport::heading_rad)
-      .def_readwrite("velocity", &PoseReport::velocity);
+           py::arg("velocity") = Twist{}, "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("utime", &PoseReport::utime, "time of the pose [us]")
+      .def_readwrite("x_m", &PoseReport::x_m, "in the world frame [m]")
+      .def_readwrite("y_m", &PoseReport::y_m, "in the world frame [m]")
+      .def_readwrite("heading_rad", &PoseReport::heading_rad, "from the world's x axis [rad], positive: to the left")
+      .def_readwrite("velocity", &PoseReport::velocity, "Twist in the robot's base frame");
 
   py::class_<MotionReport>(m, "MotionReport", "A robot's twist at a time: pilotfish.motion_t.")
       .def(py::init([](std::int64_t utime, const Twist& twist) {
              return MotionReport{utime, twist};
            }),
-           py::kw_only(), py::arg("utime"), py::arg("twist") = Twist{})
-      .def_readwrite("utime", &MotionReport::utime)
-      .def_readwrite("twist", &MotionReport::twist);
+           py::kw_only(), py::arg("utime"), py::arg("twist") = Twist{},
+           "Fields by keyword, as the attributes of the same name.")
+      .def_readwrite("utime", &MotionReport::utime, "time of the twist [us]")
+      .def_readwrite("twist", &MotionReport::twist, "Twist in the robot's base frame");
 }
 
 void bind_encoded_image(py::module_& m) {
   py::class_<EncodedImage>(m, "EncodedImage",
                            "A picture as it came: its header is checked, its pixels are not decoded.")
-      .def_readonly("utime", &EncodedImage::utime)
-      .def_readonly("width", &EncodedImage::width)
-      .def_readonly("height", &EncodedImage::height)
+      .def_readonly("utime", &EncodedImage::utime, "exposure time [us], on the clock of whoever took the picture")
+      .def_readonly("width", &EncodedImage::width, "claimed width [px]")
+      .def_readonly("height", &EncodedImage::height, "claimed height [px]")
       .def_property_readonly(
           "arrival_us", [](const EncodedImage& image) { return image.arrival.us; },
           "when it reached this host, on CLOCK_BOOTTIME");
@@ -191,7 +216,8 @@ PYBIND11_MODULE(bus, m) {
   m.doc() = "LCM in and out, checked at this edge.";
   py::module_::import("pilotfish.core");
 
-  py::register_exception<BusError>(m, "BusError", PyExc_OSError);
+  py::register_exception<BusError>(m, "BusError", PyExc_OSError).doc() =
+      "The bus or a log cannot be opened; the message says what to do.";
   m.attr("DEFAULT_URL") = kDefaultUrl;
   m.def("channel", &channel, "Channel of a robot: ('robot1', 'COMMAND') -> 'ROBOT1_COMMAND'.", py::arg("robot"),
         py::arg("what"));
@@ -214,24 +240,29 @@ PYBIND11_MODULE(bus, m) {
   py::class_<Bus>(m, "Bus", "A connection to the LCM network: what comes in is checked, or counted in `rejected`.")
       .def(py::init<const std::string&>(), py::arg("url") = "", Release(),
            "url: empty for $LCM_DEFAULT_URL, else DEFAULT_URL. Raises BusError saying what to do.")
-      .def_property_readonly("url", &Bus::url)
+      .def_property_readonly("url", &Bus::url, "the URL that is in use")
       .def_property_readonly("receive_buffer_bytes", &Bus::receive_buffer_bytes,
                              "What the kernel grants; 0 if the provider has no socket")
       .def_property_readonly("rejected", &Bus::rejected, "dict: messages dropped, by kind")
       .def("set_key", &Bus::set_key, py::arg("key"),
            "Commands and setpoints carry a MAC from now on, and are refused without a right one; stops never are.")
       .def("publish_command", py::overload_cast<const std::string&, const CommandReport&>(&Bus::publish),
-           py::arg("robot"), py::arg("report"), Release())
+           py::arg("robot"), py::arg("report"), Release(),
+           "Sends a CommandReport on NAME_COMMAND. Numbers that are not finite go out as a zero command, and are "
+           "counted. ConfigError on a name that is no channel.")
       .def("publish_observation", py::overload_cast<const std::string&, const ObservationReport&>(&Bus::publish),
-           py::arg("robot"), py::arg("report"), Release())
+           py::arg("robot"), py::arg("report"), Release(),
+           "Sends an ObservationReport on NAME_OBSERVATION. ConfigError on a name that is no channel.")
       .def("publish_status", py::overload_cast<const std::string&, const StatusReport&>(&Bus::publish),
-           py::arg("robot"), py::arg("report"), Release())
+           py::arg("robot"), py::arg("report"), Release(),
+           "Sends a StatusReport on NAME_STATUS. ConfigError on a name that is no channel.")
       .def("publish_pose", py::overload_cast<const std::string&, const PoseReport&>(&Bus::publish), py::arg("robot"),
-           py::arg("report"), Release())
+           py::arg("report"), Release(), "Sends a PoseReport on NAME_POSE. ConfigError on a name that is no channel.")
       .def("publish_motion", py::overload_cast<const std::string&, const MotionReport&>(&Bus::publish),
-           py::arg("robot"), py::arg("report"), Release())
+           py::arg("robot"), py::arg("report"), Release(),
+           "Sends a MotionReport on NAME_MOTION. ConfigError on a name that is no channel.")
       .def("publish_base", py::overload_cast<const std::string&, const BaseReport&>(&Bus::publish), py::arg("robot"),
-           py::arg("report"), Release())
+           py::arg("report"), Release(), "Sends a BaseReport on NAME_BASE. ConfigError on a name that is no channel.")
       .def("publish_setpoint", py::overload_cast<const std::string&, const SetpointReport&>(&Bus::publish),
            py::arg("robot"), py::arg("report"), Release(), "Raises ValueError if the setpoint is out of bounds.")
       .def("publish_image", &Bus::publish_image, py::arg("channel"), py::arg("frame"), Release(),
@@ -257,7 +288,9 @@ PYBIND11_MODULE(bus, m) {
   py::class_<LogReader>(m, "LogReader",
                         "The images of one channel in a file written by lcm-logger; iterate, or next().")
       .def(py::init<const std::string&, const std::string&>(), py::arg("path"), py::kw_only(), py::arg("channel"),
-           Release())
+           Release(),
+           "path: a file written by lcm-logger; channel: of its images. BusError if it cannot be read as a log or has "
+           "nothing on that channel.")
       .def("next", &LogReader::next, Release(), "The next Frame (0 x 0 if corrupt), None at the end.")
       .def("__len__", &LogReader::size)
       .def_property_readonly("damaged", &LogReader::damaged, "damaged places in the file that were skipped")
@@ -271,4 +304,7 @@ PYBIND11_MODULE(bus, m) {
         if (!frame) throw py::stop_iteration();
         return *frame;
       });
+
+  python::add_reprs(m, {"CommandReport", "SetpointReport", "BaseReport", "StageReport", "ObservationReport",
+                        "StatusReport", "PoseReport", "MotionReport", "EncodedImage"});
 }

@@ -9,7 +9,8 @@ PYBIND11_MODULE(capture, m) {
   m.doc() = "Camera, video file, image folder: sources of frames.";
   py::module_::import("pilotfish.core");
 
-  py::register_exception<CaptureError>(m, "CaptureError", PyExc_OSError);
+  py::register_exception<CaptureError>(m, "CaptureError", PyExc_OSError).doc() =
+      "A source cannot be opened; the message says why and what to do.";
 
   py::class_<FrameSource>(m, "FrameSource", "Pictures, one after the other; iterate, or call next().")
       .def("next", &FrameSource::next, py::call_guard<py::gil_scoped_release>(),
@@ -37,12 +38,15 @@ PYBIND11_MODULE(capture, m) {
   for (const std::string_view suffix : kPictureSuffixes) suffixes.append(std::string(suffix));
   m.attr("PICTURE_SUFFIXES") = py::frozenset(suffixes);  // of the files that open_images() reads, in small letters
   m.def("open_images", &open_images,
-        "A folder of pictures in natural order of their names, or in the order and at the times of its "
-        "frames.csv.",
+        "A folder of pictures in natural order of their names, or in the order and at the times of its frames.csv. "
+        "Without it they come at frame_rate_hz [Hz]. CaptureError if there are none.",
         py::arg("directory"), py::kw_only(), py::arg("frame_rate_hz") = 30.0, py::call_guard<py::gil_scoped_release>());
-  m.def("open_video", &open_video, "A video file; frames carry its timestamps.", py::arg("path"),
+  m.def("open_video", &open_video,
+        "A video file; frames carry its timestamps [us]. CaptureError if it cannot be opened.", py::arg("path"),
         py::call_guard<py::gil_scoped_release>());
-  m.def("open_camera", &open_camera, "A V4L camera by number, at the calibration's size.", py::arg("index"),
-        py::kw_only(), py::arg("width"), py::arg("height"), py::arg("frame_rate_hz") = 30.0,
+  m.def("open_camera", &open_camera,
+        "A V4L camera by number, at the calibration's size: width and height [px], frame_rate_hz [Hz]. CaptureError if "
+        "it cannot be opened.",
+        py::arg("index"), py::kw_only(), py::arg("width"), py::arg("height"), py::arg("frame_rate_hz") = 30.0,
         py::call_guard<py::gil_scoped_release>());
 }

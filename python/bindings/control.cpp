@@ -19,12 +19,16 @@ void bind_estimator(py::module_& m) {
       .value("odometry", OwnMotionSource::odometry);
   py::class_<OwnMotion>(m, "OwnMotion", "Dead reckoning through a model of the drive, in an odometry frame.")
       .def(py::init<const DriveModelConfig&, const LimitsConfig&>(), py::arg("drive") = DriveModelConfig{},
-           py::arg("limits") = LimitsConfig{})
-      .def("command", &OwnMotion::command, py::arg("twist"), py::arg("acts_utime"))
+           py::arg("limits") = LimitsConfig{},
+           "drive: latency and lag of the wheels; limits: acceleration of the drive's ramp. The odometry frame begins "
+           "where the robot stands.")
+      .def("command", &OwnMotion::command, py::arg("twist"), py::arg("acts_utime"),
+           "From acts_utime [us] on the wheels are told this Twist; commands come in the order in which they act.")
       .def("measured", &OwnMotion::measured, py::arg("utime"), py::arg("twist"),
            "What odometry says; False if it cannot be used.")
-      .def("advance_to", &OwnMotion::advance_to, py::arg("utime"))
-      .def_property_readonly("source", &OwnMotion::source)
+      .def("advance_to", &OwnMotion::advance_to, py::arg("utime"),
+           "Moves on to utime [us]. The first call only sets the clock; a time in the past changes nothing.")
+      .def_property_readonly("source", &OwnMotion::source, "OwnMotionSource of what is known about the present time")
       .def_property_readonly(
           "pose",
           [](const OwnMotion& own) {
@@ -39,8 +43,12 @@ void bind_estimator(py::module_& m) {
              return LeaderEstimate{Eigen::Map<const LeaderVector>(mean.data()),
                                    to_matrix<6, 6>(covariance, "covariance")};
            }),
-           py::arg("mean"), py::arg("covariance"))
-      .def_property_readonly("mean", [](const LeaderEstimate& e) { return py::array_t<double>(6, e.mean.data()); })
+           py::arg("mean"), py::arg("covariance"),
+           "mean: (6,); covariance: (6, 6), both in the order x, y [m], vx, vy [m/s], heading [rad], turn rate "
+           "[rad/s]. ValueError on another shape.")
+      .def_property_readonly(
+          "mean", [](const LeaderEstimate& e) { return py::array_t<double>(6, e.mean.data()); },
+          "(6,): x, y [m], vx, vy [m/s], heading [rad], turn rate [rad/s]; the heading counts on beyond pi")
       .def_property_readonly(
           "covariance", [](const LeaderEstimate& e) { return to_array(e.covariance); }, "(6, 6)");
   m.def(
@@ -55,16 +63,19 @@ void bind_estimator(py::module_& m) {
       py::arg("position_sigma"), py::arg("dt_s"), "LeaderEstimate after dt_s on a coordinated turn.");
 
   py::class_<LeaderMotion>(m, "LeaderMotion", "The leader as seen from a pose of the coordinator.")
-      .def(py::init<>())
-      .def_readwrite("distance_m", &LeaderMotion::distance_m)
-      .def_readwrite("bearing_rad", &LeaderMotion::bearing_rad)
-      .def_readwrite("heading_rad", &LeaderMotion::heading_rad)
+      .def(py::init<>(), "All zeros.")
+      .def_readwrite("distance_m", &LeaderMotion::distance_m, "distance between the base origins [m]")
+      .def_readwrite("bearing_rad", &LeaderMotion::bearing_rad, "bearing of the leader [rad], positive: to the left")
+      .def_readwrite("heading_rad", &LeaderMotion::heading_rad,
+                     "the leader's heading relative to the coordinator's [rad]")
       .def_readwrite("radial_mps", &LeaderMotion::radial_mps, "the leader's own velocity along the line of sight")
       .def_readwrite("tangential_mps", &LeaderMotion::tangential_mps, "and across it, to the left")
-      .def_readwrite("turn_rate_radps", &LeaderMotion::turn_rate_radps)
-      .def_readwrite("distance_sigma_m", &LeaderMotion::distance_sigma_m)
-      .def_readwrite("radial_sigma_mps", &LeaderMotion::radial_sigma_mps)
-      .def_readwrite("tangential_sigma_mps", &LeaderMotion::tangential_sigma_mps);
+      .def_readwrite("turn_rate_radps", &LeaderMotion::turn_rate_radps,
+                     "the leader's own turn rate [rad/s], positive: to the left")
+      .def_readwrite("distance_sigma_m", &LeaderMotion::distance_sigma_m, "standard deviation of distance_m [m]")
+      .def_readwrite("radial_sigma_mps", &LeaderMotion::radial_sigma_mps, "standard deviation of radial_mps [m/s]")
+      .def_readwrite("tangential_sigma_mps", &LeaderMotion::tangential_sigma_mps,
+                     "standard deviation of tangential_mps [m/s]");
 
   py::class_<LeaderMotionEstimator> estimator(m, "LeaderMotionEstimator", "The leader's motion, by vision alone.");
   py::enum_<LeaderMotionEstimator::Outcome>(estimator, "Outcome", "What an update led to.")
@@ -74,15 +85,18 @@ void bind_estimator(py::module_& m) {
       .value("outlier", LeaderMotionEstimator::Outcome::outlier)
       .value("restarted", LeaderMotionEstimator::Outcome::restarted)
       .value("unusable", LeaderMotionEstimator::Outcome::unusable);
-  estimator.def(py::init<const LeaderMotionConfig&>(), py::arg("config") = LeaderMotionConfig{})
+  estimator
+      .def(py::init<const LeaderMotionConfig&>(), py::arg("config") = LeaderMotionConfig{},
+           "Three extended Kalman filters joined by the interacting multiple model method (Blom and Bar-Shalom, IEEE "
+           "Trans. Automatic Control 33(8), 1988).")
       .def(
           "update",
           [](LeaderMotionEstimator& self, const Observation& seen, const std::array<double, 3>& own) {
             return self.update(seen, {own[0], own[1], own[2]});
           },
           py::arg("observation"), py::arg("own_pose"), "own_pose: (x_m, y_m, heading_rad) in the odometry frame")
-      .def("reset", &LeaderMotionEstimator::reset)
-      .def_property_readonly("started", &LeaderMotionEstimator::started)
+      .def("reset", &LeaderMotionEstimator::reset, "Forgets the leader; the next update begins anew.")
+      .def_property_readonly("started", &LeaderMotionEstimator::started, "True once there is an estimate")
       .def("at", &LeaderMotionEstimator::at, py::arg("utime"), "LeaderEstimate, not before the last update.")
       .def_property_readonly("probabilities", &LeaderMotionEstimator::probabilities, "of calm, steering, jolt");
   m.def(
@@ -102,7 +116,8 @@ void bind_announcement(py::module_& m) {
       .value("used", AnnouncementUse::used)
       .value("suspended", AnnouncementUse::suspended);
   py::class_<AnnouncedMotion>(m, "AnnouncedMotion", "The twist a leader announces of itself, and what it is worth.")
-      .def(py::init<const AnnouncementConfig&>(), py::arg("config") = AnnouncementConfig{})
+      .def(py::init<const AnnouncementConfig&>(), py::arg("config") = AnnouncementConfig{},
+           "ConfigError is raised by AnnouncementConfig; nothing else can be wrong.")
       .def("announce", &AnnouncedMotion::announce, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
       .def(
           "judge",
@@ -116,7 +131,7 @@ void bind_announcement(py::module_& m) {
             return self.heard() ? self.slowed(seen) : seen;
           },
           py::arg("seen"), "The estimate as slow as announced.")
-      .def("reset", &AnnouncedMotion::reset);
+      .def("reset", &AnnouncedMotion::reset, "The leader was lost: probation begins anew, a suspension goes on.");
 }
 
 void bind_anticipation(py::module_& m) {
@@ -124,18 +139,23 @@ void bind_anticipation(py::module_& m) {
       .def(py::init([](double right_rad, double left_rad) {
              return FieldOfView{right_rad, left_rad};
            }),
-           py::kw_only(), py::arg("right_rad"), py::arg("left_rad"))
-      .def_readwrite("right_rad", &FieldOfView::right_rad)
-      .def_readwrite("left_rad", &FieldOfView::left_rad);
+           py::kw_only(), py::arg("right_rad"), py::arg("left_rad"),
+           "Bearings of the picture's edges [rad], in the base frame, positive to the left.")
+      .def_readwrite("right_rad", &FieldOfView::right_rad,
+                     "bearing of the right edge [rad], negative in a forward-looking camera")
+      .def_readwrite("left_rad", &FieldOfView::left_rad,
+                     "bearing of the left edge [rad], positive in a forward-looking camera");
   py::class_<Reaction>(m, "Reaction", "What the drive can do, and how long it takes until it begins.")
       .def(py::init([](const LimitsConfig& limits, double delay_s) {
              return Reaction{limits, delay_s};
            }),
-           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("delay_s") = 0.0);
+           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("delay_s") = 0.0,
+           "limits: of the drive; delay_s: latency and lag together [s].");
   py::class_<Anticipation>(m, "Anticipation", "What the law wants for a predicted leader.")
-      .def_readonly("wanted", &Anticipation::wanted)
-      .def_readonly("velocity", &Anticipation::velocity);
-  m.def("trust", &trust, py::arg("config"), py::arg("leader"), "in (0, 1]");
+      .def_readonly("wanted", &Anticipation::wanted, "Twist that the law wants; not yet limited")
+      .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
+  m.def("trust", &trust, py::arg("config"), py::arg("leader"),
+        "How far the leader's estimated velocity is believed: 1 / (1 + (sigma / trusted_sigma_mps)^2), in (0, 1].");
   m.def("anticipate", &anticipate, py::arg("controller"), py::arg("paper"), py::arg("config"), py::arg("leader"),
         py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
   m.def("stopping_speed", &stopping_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
@@ -199,12 +219,13 @@ void bind_laws(py::module_& m) {
       .def(py::init([](std::string key, double value, double min, double max, std::string text) {
              return LawParameter{std::move(key), value, min, max, std::move(text)};
            }),
-           py::arg("key"), py::arg("value"), py::kw_only(), py::arg("min"), py::arg("max"), py::arg("text") = "")
-      .def_readonly("key", &LawParameter::key)
-      .def_readonly("value", &LawParameter::value)
-      .def_readonly("min", &LawParameter::min)
-      .def_readonly("max", &LawParameter::max)
-      .def_readonly("text", &LawParameter::text);
+           py::arg("key"), py::arg("value"), py::kw_only(), py::arg("min"), py::arg("max"), py::arg("text") = "",
+           "min and max are inclusive; text is one sentence for the documentation.")
+      .def_readonly("key", &LawParameter::key, "name in the configuration; it carries the unit")
+      .def_readonly("value", &LawParameter::value, "the value, in the key's unit")
+      .def_readonly("min", &LawParameter::min, "smallest value allowed, inclusive")
+      .def_readonly("max", &LawParameter::max, "largest value allowed, inclusive")
+      .def_readonly("text", &LawParameter::text, "one sentence for the documentation");
   py::class_<LawDescription>(m, "LawDescription",
                              "A law as the configuration, the command line and the documentation know it.")
       .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
@@ -220,9 +241,9 @@ void bind_laws(py::module_& m) {
            "make({parameter: value}, limits) returns the law: an object with follow(observation, setpoint, dt_s) -> "
            "Twist "
            "and, if it remembers anything, restart()")
-      .def_readonly("name", &LawDescription::name)
-      .def_readonly("text", &LawDescription::text)
-      .def_readonly("parameters", &LawDescription::parameters);
+      .def_readonly("name", &LawDescription::name, "one word, as in `law: pid`")
+      .def_readonly("text", &LawDescription::text, "one line for lists")
+      .def_readonly("parameters", &LawDescription::parameters, "list of LawParameter, a copy");
   m.def("built_in_laws", &built_in_laws, "The laws that come with Pilotfish, beside the fuzzy one.");
   m.attr("FUZZY_LAW") = kFuzzyLaw;
 }
@@ -247,10 +268,11 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels do what they are told.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
-      .def_readonly("linear_mps", &VelocityCommand::linear_mps)
+      .def_readonly("linear_mps", &VelocityCommand::linear_mps, "forward speed the law wants [m/s]")
       .def_readonly("error_m", &VelocityCommand::error_m, "e = d_p - d; positive: too close")
       .def_readonly("error_change_m", &VelocityCommand::error_change_m, "ec, per control period")
-      .def_readonly("inference", &VelocityCommand::inference);
+      .def_readonly("inference", &VelocityCommand::inference,
+                    "Inference: output u* in [-1, 1] and the strengths of the 56 rules");
 
   bind_estimator(m);
   bind_announcement(m);
@@ -270,9 +292,12 @@ PYBIND11_MODULE(control, m) {
              return made;
            }),
            py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
-           py::arg("active_law") = kFuzzyLaw, py::arg_v("laws", built_in_laws(), "built_in_laws()"))
-      .def_readwrite("profile", &FollowerConfig::profile)
-      .def_readwrite("law", &FollowerConfig::law)
+           py::arg("active_law") = kFuzzyLaw, py::arg_v("laws", built_in_laws(), "built_in_laws()"),
+           "law: the fuzzy controller. Sections by keyword: velocity, heading, limits, anticipate, leader_motion, "
+           "drive, announcement, view. ConfigError names the key at fault, TypeError an unknown keyword.")
+      .def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
+      .def_readwrite("law", &FollowerConfig::law,
+                     "fuzzy.Controller: the fuzzy law, by default the paper's 56 rules (Table I)")
       .def_property(
           "active_law", [](const FollowerConfig& of) { return of.active_law; }, &set_active_law,
           "\"fuzzy\" or the name of one of `laws`; ValueError lists them")
@@ -293,18 +318,26 @@ PYBIND11_MODULE(control, m) {
       .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")
-      .def_readonly("command", &FollowerOutput::command)
-      .def_readonly("velocity", &FollowerOutput::velocity)
+      .def_readonly("command", &FollowerOutput::command, "Twist within the limits")
+      .def_readonly(
+          "velocity", &FollowerOutput::velocity,
+          "VelocityCommand: the fuzzy law on the measured error or, where it anticipates, on the predicted one")
       .def_readonly("leader", &FollowerOutput::leader, "LeaderMotion as predicted, or None")
       .def_readonly("trust", &FollowerOutput::trust, "share of the feed-forward in the command")
-      .def_readonly("own_motion", &FollowerOutput::own_motion)
-      .def_readonly("announcement", &FollowerOutput::announcement);
+      .def_readonly("own_motion", &FollowerOutput::own_motion, "OwnMotionSource: where the own motion was taken from")
+      .def_readonly("announcement", &FollowerOutput::announcement, "AnnouncementUse: what the leader's word was worth");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
-      .def(py::init<FollowerConfig>(), py::arg("config"))
-      .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"))
-      .def("set_own_motion", &Follower::set_own_motion, py::arg("utime"), py::arg("twist"))
-      .def("set_announced_motion", &Follower::set_announced_motion, py::arg("utime"), py::arg("twist"))
+      .def(py::init<FollowerConfig>(), py::arg("config"), "ConfigError names the parameter that is out of range.")
+      .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"),
+           "FollowerOutput for an Observation and a Setpoint; the time since the last call is that between the "
+           "observations.")
+      .def("set_own_motion", &Follower::set_own_motion, py::arg("utime"), py::arg("twist"),
+           "The own Twist as odometry measured it at utime [us]. False, and nothing changes, if it cannot be used. "
+           "Profile `anticipate` alone listens.")
+      .def("set_announced_motion", &Follower::set_announced_motion, py::arg("utime"), py::arg("twist"),
+           "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
+           "used. Profile `anticipate` alone listens.")
       .def("restart", &Follower::restart, py::arg("since_utime"),
            "Forget the past: from then on the robot is told to stand still.");
 
@@ -315,4 +348,11 @@ PYBIND11_MODULE(control, m) {
   m.def("fuzzy_velocity", &fuzzy_velocity, py::arg("controller"), py::arg("config"), py::arg("distance_setpoint_m"),
         py::arg("distance_m"), py::arg("previous_error_m"), py::arg("dt_s"), py::arg("distance_sigma_m") = 0.0,
         "The paper's law on one distance; previous_error_m may be None.");
+
+  add_reprs(m, {"LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
+                "VelocityCommand", "FollowerOutput"});
+  add_repr(m, "OwnMotion", {"pose", "twist", "source"});
+  add_repr(m, "FollowerConfig",
+           {"profile", "active_law", "velocity", "heading", "limits", "anticipate", "leader_motion", "drive",
+            "announcement", "view"});
 }

@@ -23,50 +23,59 @@ Bytes from_bytes(const py::bytes& bytes) {
 void bind_config(py::module_& m) {
   bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
   py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "Everything a coordinator needs to know.");
-  coordinator_config.def(py::init<>())
-      .def_readwrite("camera", &CoordinatorConfig::camera)
-      .def_readwrite("mounting", &CoordinatorConfig::mounting)
-      .def_readwrite("leader", &CoordinatorConfig::leader);
+  coordinator_config.def(py::init<>(), "Defaults; camera and leader must be set. Coordinator() checks them.")
+      .def_readwrite("camera", &CoordinatorConfig::camera, "CameraModel: size and lens of the coordinator's camera")
+      .def_readwrite("mounting", &CoordinatorConfig::mounting, "CameraMounting: where it sits on the coordinator")
+      .def_readwrite("leader", &CoordinatorConfig::leader, "LeaderBody: the tags to follow");
   bind_attributes(coordinator_config);  // vision, control, safety, setpoint
   bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
   py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
-      .def_readonly("name", &config::CoordinatorFile::name)
-      .def_readonly("source", &config::CoordinatorFile::source)
+      .def_readonly("name", &config::CoordinatorFile::name, "the robot's name on the bus")
+      .def_readonly("source", &config::CoordinatorFile::source,
+                    "where frames come from, unless --source says otherwise")
       .def_property_readonly(
           "odometry",
-          [](const config::CoordinatorFile& file) { return file.odometry == config::Odometry::pose ? "pose" : "none"; })
+          [](const config::CoordinatorFile& file) { return file.odometry == config::Odometry::pose ? "pose" : "none"; },
+          "pose: own twist from NAME_POSE; none: nowhere")
       .def_readonly("key_file", &config::CoordinatorFile::key_file, "empty: nothing is authenticated")
       .def_readonly("announcements_from", &config::CoordinatorFile::announcements_from, "empty: nobody")
-      .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz)
-      .def_readonly("black_box", &config::CoordinatorFile::black_box)
-      .def_readwrite("coordinator", &config::CoordinatorFile::coordinator);
+      .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz,
+                    "rate expected of the source [Hz]; 1/T of the law unless control_period_s says otherwise")
+      .def_readonly("black_box", &config::CoordinatorFile::black_box, "BlackBoxConfig: where and how much is recorded")
+      .def_readwrite("coordinator", &config::CoordinatorFile::coordinator,
+                     "CoordinatorConfig: what Coordinator() takes");
   using config::ConfigBundle, config::ConfigOverrides, config::ConfigText;
   py::class_<ConfigOverrides>(m, "ConfigOverrides", "What the command line says instead of the configuration.")
       .def(py::init([](std::optional<std::string> law, std::optional<std::string> profile,
                        std::optional<std::string> tuning) {
              return ConfigOverrides{std::move(law), std::move(profile), std::move(tuning)};
            }),
-           py::kw_only(), py::arg("law") = py::none(), py::arg("profile") = py::none(), py::arg("tuning") = py::none())
-      .def_readonly("law", &ConfigOverrides::law)
-      .def_readonly("profile", &ConfigOverrides::profile)
-      .def_readonly("tuning", &ConfigOverrides::tuning);
+           py::kw_only(), py::arg("law") = py::none(), py::arg("profile") = py::none(), py::arg("tuning") = py::none(),
+           "What is None is left as the configuration says.")
+      .def_readonly("law", &ConfigOverrides::law, "name of the law, or None")
+      .def_readonly("profile", &ConfigOverrides::profile, "name of the profile, or None")
+      .def_readonly("tuning", &ConfigOverrides::tuning, "path of a tuning file, or None");
   py::class_<ConfigText>(m, "ConfigText", "A file that a coordinator was configured with.")
       .def(py::init([](std::string role, std::string name, const py::bytes& text) {
              return ConfigText{std::move(role), std::move(name), std::string(text)};
            }),
-           py::kw_only(), py::arg("role"), py::arg("name"), py::arg("text"))
-      .def_readonly("role", &ConfigText::role)
-      .def_readonly("name", &ConfigText::name)
-      .def_property_readonly("text", [](const ConfigText& file) { return py::bytes(file.text); });
+           py::kw_only(), py::arg("role"), py::arg("name"), py::arg("text"),
+           "By keyword, as the attributes of the same name.")
+      .def_readonly("role", &ConfigText::role,
+                    "the key that names the file: config, camera.calibration, leader, fuzzy, tuning; --tuning")
+      .def_readonly("name", &ConfigText::name, "where the file was")
+      .def_property_readonly(
+          "text", [](const ConfigText& file) { return py::bytes(file.text); }, "bytes: what it said");
   py::class_<ConfigBundle>(m, "ConfigBundle", "Everything a coordinator is configured with, as texts.")
       .def(py::init([](std::vector<ConfigText> files, ConfigOverrides overrides) {
              return ConfigBundle{std::move(files), std::move(overrides)};
            }),
-           py::arg("files"), py::arg("overrides"))
-      .def_readonly("files", &ConfigBundle::files)
-      .def_readonly("overrides", &ConfigBundle::overrides);
+           py::arg("files"), py::arg("overrides"), "files: list of ConfigText; overrides: ConfigOverrides.")
+      .def_readonly("files", &ConfigBundle::files, "list of ConfigText, a copy")
+      .def_readonly("overrides", &ConfigBundle::overrides, "ConfigOverrides of the command line");
   m.def("bundle_config", &config::bundle_config, py::arg("path"),
-        py::arg_v("overrides", ConfigOverrides{}, "pilotfish.coordinator.ConfigOverrides()"));
+        py::arg_v("overrides", ConfigOverrides{}, "pilotfish.coordinator.ConfigOverrides()"),
+        "The ConfigBundle of a configuration file that load_coordinator() takes. ValueError names the key at fault.");
   m.def("load_bundle", &config::load_bundle, py::arg("bundle"), "ValueError names the key at fault.");
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
   m.def(
@@ -91,7 +100,8 @@ void bind_config(py::module_& m) {
       "names "
       "the key at fault, and refuses a tuning whose sections the law does not read.");
   m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
-  m.def("load_leader_body", &config::load_leader_body, py::arg("path"));
+  m.def("load_leader_body", &config::load_leader_body, py::arg("path"),
+        "The LeaderBody of a leader file, see data/leaders. ValueError names the key at fault.");
   m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");
 }
 
@@ -104,12 +114,12 @@ PYBIND11_MODULE(coordinator, m) {
   bind_config(m);
 
   py::class_<StepResult>(m, "StepResult", "What one frame led to.")
-      .def_readonly("utime", &StepResult::utime)
-      .def_readonly("status", &StepResult::status)
-      .def_readonly("reason", &StepResult::reason)
+      .def_readonly("utime", &StepResult::utime, "exposure of the frame this answers [us]")
+      .def_readonly("status", &StepResult::status, "Status of the coordinator")
+      .def_readonly("reason", &StepResult::reason, "Reason for the status")
       .def_readonly("observation", &StepResult::observation, "None unless measured in this very frame")
       .def_readonly("control", &StepResult::control, "None unless the law ran in this very frame")
-      .def_readonly("command", &StepResult::command);
+      .def_readonly("command", &StepResult::command, "Twist: what the wheels should do now");
 
   py::class_<HeldCommand>(m, "HeldCommand", "The last command, until its measurement is too old.")
       .def(py::init([](std::int64_t utime, const Twist& command, std::int64_t from_us, std::int64_t until_us,
@@ -117,12 +127,13 @@ PYBIND11_MODULE(coordinator, m) {
              return HeldCommand{utime, command, {from_us}, {until_us}, holding, run, ever_measured};
            }),
            py::kw_only(), py::arg("utime"), py::arg("command"), py::arg("from_us"), py::arg("until_us"),
-           py::arg("holding"), py::arg("run"), py::arg("ever_measured"))
-      .def_readonly("command", &HeldCommand::command)
-      .def_readonly("holding", &HeldCommand::holding)
-      .def_readonly("utime", &HeldCommand::utime)
-      .def_readonly("run", &HeldCommand::run)
-      .def_readonly("ever_measured", &HeldCommand::ever_measured)
+           py::arg("holding"), py::arg("run"), py::arg("ever_measured"),
+           "By keyword, as the attributes of the same name.")
+      .def_readonly("command", &HeldCommand::command, "Twist of the last measurement; zero unless something is held")
+      .def_readonly("holding", &HeldCommand::holding, "False: the wheels rest, whatever the time")
+      .def_readonly("utime", &HeldCommand::utime, "exposure of the last frame that was in order [us]")
+      .def_readonly("run", &HeldCommand::run, "the setpoint's")
+      .def_readonly("ever_measured", &HeldCommand::ever_measured, "tells lost from searching")
       .def(
           "at",
           [](const HeldCommand& held, std::int64_t now_us, Reason reason) {
@@ -130,13 +141,18 @@ PYBIND11_MODULE(coordinator, m) {
             return std::make_tuple(answer.status, answer.reason, answer.command);
           },
           "(status, reason, command) then, if that is missing.", py::arg("now_us"), py::arg("reason"))
-      .def_property_readonly("from_us", [](const HeldCommand& held) { return held.from.us; })
-      .def_property_readonly("until_us", [](const HeldCommand& held) { return held.until.us; });
+      .def_property_readonly(
+          "from_us", [](const HeldCommand& held) { return held.from.us; },
+          "the measurement's arrival [us], monotonic, inclusive")
+      .def_property_readonly(
+          "until_us", [](const HeldCommand& held) { return held.until.us; },
+          "its exposure plus max_age [us], monotonic, inclusive");
 
   py::class_<Coordinator>(m, "Coordinator",
                           "Frame and its arrival in, StepResult out. now_us: monotonic; in a simulation, the simulated "
                           "time at which the frame arrives.")
-      .def(py::init<const CoordinatorConfig&>(), py::arg("config"))
+      .def(py::init<const CoordinatorConfig&>(), py::arg("config"),
+           "ConfigError (a ValueError) names the parameter that is out of range.")
       .def(
           "step",
           [](Coordinator& coordinator, const Frame& frame, std::int64_t now_us) {
@@ -161,7 +177,8 @@ PYBIND11_MODULE(coordinator, m) {
           },
           py::arg("now_us"), py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
           "What holds then if no newer frame has come; changes nothing.")
-      .def_property_readonly("held", &Coordinator::held)
+      .def_property_readonly("held", &Coordinator::held,
+                             "HeldCommand: the last command, until its measurement is too old")
       .def_property_readonly("clock_epochs", &Coordinator::clock_epochs, "How often the source's clock was set.")
       .def("set_setpoint", &Coordinator::set_setpoint, py::arg("setpoint"),
            "False, and the old one stays, if a number is out of range or not finite.")
@@ -180,6 +197,9 @@ PYBIND11_MODULE(coordinator, m) {
               throw py::value_error("that is no memory of a coordinator of this program");
           },
           "(bytes, bytes): what its decisions and its eyes remember, for another one of the same configuration.")
-      .def_property_readonly("setpoint", &Coordinator::setpoint)
-      .def_property_readonly("rejected", &Coordinator::rejected);
+      .def_property_readonly("setpoint", &Coordinator::setpoint, "Setpoint that is kept")
+      .def_property_readonly("rejected", &Coordinator::rejected, "RejectionCounters of the observer since the start");
+
+  add_reprs(m, {"ConfigOverrides", "ConfigText", "ConfigBundle", "CoordinatorFile", "StepResult", "HeldCommand"});
+  add_repr(m, "CoordinatorConfig", {"camera", "mounting", "leader", "setpoint", "safety", "vision", "control"});
 }

@@ -36,34 +36,43 @@ void translate_config_errors() {
 }
 
 void bind_session_guard(py::module_& m) {
-  py::enum_<SequenceVerdict>(m, "SequenceVerdict")
+  py::enum_<SequenceVerdict>(m, "SequenceVerdict", "What a SequenceGuard says of a message.")
       .value("accepted", SequenceVerdict::accepted)
       .value("wrong_session", SequenceVerdict::wrong_session)
       .value("not_rising", SequenceVerdict::not_rising);
   py::class_<SequenceGuard>(m, "SequenceGuard", "Within one session, counters only rise; session 0 is nobody's.")
-      .def(py::init<std::int64_t>(), py::arg("session") = 0)
-      .def("accept", &SequenceGuard::accept, py::arg("session"), py::arg("counter"))
+      .def(py::init<std::int64_t>(), py::arg("session") = 0, "session: whose messages are accepted; 0: nobody's")
+      .def("accept", &SequenceGuard::accept, py::arg("session"), py::arg("counter"),
+           "SequenceVerdict of a message. Accepted only with this session and a counter above last_counter; a refused "
+           "message changes nothing.")
       .def("check", &SequenceGuard::check, py::arg("session"), py::arg("counter"), "What accept() would say.")
-      .def_property_readonly("session", &SequenceGuard::session)
-      .def_property_readonly("last_counter", &SequenceGuard::last_counter);
+      .def_property_readonly("session", &SequenceGuard::session, "the session whose messages are accepted; 0: nobody's")
+      .def_property_readonly("last_counter", &SequenceGuard::last_counter,
+                             "counter of the last message accepted; 0: none yet");
 
-  py::enum_<SetpointVerdict> verdict(m, "SetpointVerdict");
+  py::enum_<SetpointVerdict> verdict(m, "SetpointVerdict", "What a SetpointGate says of a message.");
   for (SetpointVerdict value : {SetpointVerdict::accepted, SetpointVerdict::stopped, SetpointVerdict::wrong_session,
                                 SetpointVerdict::replayed, SetpointVerdict::too_near, SetpointVerdict::out_of_bounds})
     verdict.value(std::string(to_string(value)).substr(std::string_view("setpoint_").size()).c_str(), value);
-  verdict.def_property_readonly("counted_as", [](SetpointVerdict v) { return std::string(to_string(v)); });
-  py::class_<SetpointDecision>(m, "SetpointDecision")
-      .def_readonly("verdict", &SetpointDecision::verdict)
+  verdict.def_property_readonly(
+      "counted_as", [](SetpointVerdict v) { return std::string(to_string(v)); },
+      "name under which the refusal is counted, e.g. setpoint_replayed");
+  py::class_<SetpointDecision>(m, "SetpointDecision", "What a SetpointGate makes of a message.")
+      .def_readonly("verdict", &SetpointDecision::verdict, "SetpointVerdict: what the gate says of the message")
       .def_readonly("setpoint", &SetpointDecision::setpoint, "to be kept from now on");
   py::class_<SetpointGate>(
       m, "SetpointGate",
       "A stop is believed from anyone and latched; everything else needs the session, a counter that "
       "rises, and a distance that is not too small.")
-      .def(py::init<std::int64_t, double>(), py::kw_only(), py::arg("session"), py::arg("stop_distance_m"))
+      .def(py::init<std::int64_t, double>(), py::kw_only(), py::arg("session"), py::arg("stop_distance_m"),
+           "session: the coordinator's own; stop_distance_m: no smaller distance is accepted [m]")
       .def("decide", &SetpointGate::decide, py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("asked"),
-           py::arg("kept"))
-      .def_property_readonly("session", &SetpointGate::session)
-      .def_property_readonly("last_counter", &SetpointGate::last_counter);
+           py::arg("kept"),
+           "SetpointDecision about a message that asks for `asked` while `kept` is kept. A stop counts whatever its "
+           "numbers.")
+      .def_property_readonly("session", &SetpointGate::session, "the coordinator's session, which setpoints must name")
+      .def_property_readonly("last_counter", &SetpointGate::last_counter,
+                             "counter of the last setpoint accepted; 0: none yet");
 }
 
 }  // namespace
@@ -78,24 +87,23 @@ PYBIND11_MODULE(core, m) {
       .def(py::init([](double linear_mps, double angular_radps) {
              return Twist{linear_mps, angular_radps};
            }),
-           py::kw_only(), py::arg("linear_mps") = 0.0, py::arg("angular_radps") = 0.0)
-      .def_readwrite("linear_mps", &Twist::linear_mps)
-      .def_readwrite("angular_radps", &Twist::angular_radps)
-      .def("__eq__", [](const Twist& a, const Twist& b) { return a == b; })
-      .def("__repr__", [](const Twist& t) {
-        std::ostringstream out;
-        out << "Twist(linear_mps=" << t.linear_mps << ", angular_radps=" << t.angular_radps << ")";
-        return out.str();
-      });
+           py::kw_only(), py::arg("linear_mps") = 0.0, py::arg("angular_radps") = 0.0,
+           "linear_mps: forward speed [m/s]; angular_radps: turn rate [rad/s], positive to the left. Not checked here.")
+      .def_readwrite("linear_mps", &Twist::linear_mps, "forward speed [m/s], in the robot's base frame")
+      .def_readwrite("angular_radps", &Twist::angular_radps, "turn rate [rad/s], positive: to the left")
+      .def("__eq__", [](const Twist& a, const Twist& b) { return a == b; });
 
   py::class_<Setpoint>(m, "Setpoint", "What to keep: distance_m (d_p), bearing_rad (theta_pd); run=False stands still.")
       .def(py::init([](double distance_m, double bearing_rad, bool run) {
              return Setpoint{distance_m, bearing_rad, run};
            }),
-           py::kw_only(), py::arg("distance_m") = 1.0, py::arg("bearing_rad") = 0.0, py::arg("run") = true)
-      .def_readwrite("distance_m", &Setpoint::distance_m)
-      .def_readwrite("bearing_rad", &Setpoint::bearing_rad)
-      .def_readwrite("run", &Setpoint::run);
+           py::kw_only(), py::arg("distance_m") = 1.0, py::arg("bearing_rad") = 0.0, py::arg("run") = true,
+           "distance_m: d_p [m]; bearing_rad: theta_pd [rad], positive to the left; run: False stands still. Checked "
+           "where it is used.")
+      .def_readwrite("distance_m", &Setpoint::distance_m, "d_p of the paper [m], between the two robots' base origins")
+      .def_readwrite("bearing_rad", &Setpoint::bearing_rad,
+                     "theta_pd of the paper [rad], within +-MAX_BEARING_RAD; positive: the leader is kept to the left")
+      .def_readwrite("run", &Setpoint::run, "False: stand still, keep looking");
   m.attr("MAX_BEARING_RAD") = kMaxBearing_rad;  // of a setpoint, to either side
   bind_session_guard(m);
 
@@ -132,7 +140,8 @@ PYBIND11_MODULE(core, m) {
       .value("frame_time_implausible", Reason::frame_time_implausible)
       .value("another_coordinator", Reason::another_coordinator)
       .value("internal_error", Reason::internal_error)
-      .def_property_readonly("text", [](Reason reason) { return std::string(to_string(reason)); });
+      .def_property_readonly(
+          "text", [](Reason reason) { return std::string(to_string(reason)); }, "the reason as a sentence for people");
 
   py::class_<Frame>(m, "Frame", "One gray picture and the instant of its exposure.")
       .def(py::init([](const py::array& image, std::int64_t utime) {
@@ -152,13 +161,15 @@ PYBIND11_MODULE(core, m) {
           "A frame whose claimed size need not fit its bytes, as it might come off a wire; step() must refuse it.",
           py::arg("data"), py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"),
           py::arg("utime"))
-      .def_readonly("utime", &Frame::utime)
+      .def_readonly("utime", &Frame::utime, "exposure time [us], on the clock of whoever took the picture")
       .def_readwrite("known_age_us", &Frame::known_age_us,
                      "What is known to have passed between exposure and arrival; can only make a frame older.")
       .def_readwrite("coarse_search", &Frame::coarse_search,
                      "Where the whole picture has to be searched, it is searched at half the resolution.")
-      .def_property_readonly("width", [](const Frame& frame) { return frame.image.width; })
-      .def_property_readonly("height", [](const Frame& frame) { return frame.image.height; })
+      .def_property_readonly(
+          "width", [](const Frame& frame) { return frame.image.width; }, "claimed width [px]")
+      .def_property_readonly(
+          "height", [](const Frame& frame) { return frame.image.height; }, "claimed height [px]")
       .def_property_readonly(
           "image",
           [](const Frame& frame) {
@@ -181,18 +192,20 @@ PYBIND11_MODULE(core, m) {
            }),
            py::kw_only(), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0, py::arg("p2") = 0.0,
-           py::arg("k3") = 0.0)
-      .def_readonly("width", &CameraModel::width)
-      .def_readonly("height", &CameraModel::height)
-      .def_readonly("fx", &CameraModel::fx)
-      .def_readonly("fy", &CameraModel::fy)
-      .def_readonly("cx", &CameraModel::cx)
-      .def_readonly("cy", &CameraModel::cy)
-      .def_readonly("k1", &CameraModel::k1)
-      .def_readonly("k2", &CameraModel::k2)
-      .def_readonly("p1", &CameraModel::p1)
-      .def_readonly("p2", &CameraModel::p2)
-      .def_readonly("k3", &CameraModel::k3)
+           py::arg("k3") = 0.0,
+           "width, height, fx, fy, cx, cy in pixels. ConfigError (camera.fx: ...) on sizes or intrinsics that no "
+           "camera has.")
+      .def_readonly("width", &CameraModel::width, "[px], of the images that were calibrated")
+      .def_readonly("height", &CameraModel::height, "[px], of the images that were calibrated")
+      .def_readonly("fx", &CameraModel::fx, "focal length along rows [px]")
+      .def_readonly("fy", &CameraModel::fy, "focal length along columns [px]")
+      .def_readonly("cx", &CameraModel::cx, "principal point, from the centre of the leftmost pixels [px]")
+      .def_readonly("cy", &CameraModel::cy, "principal point, from the centre of the topmost pixels [px]")
+      .def_readonly("k1", &CameraModel::k1, "radial distortion of r^2; ViSP's kud")
+      .def_readonly("k2", &CameraModel::k2, "radial distortion of r^4")
+      .def_readonly("p1", &CameraModel::p1, "tangential distortion: y' gains p1 (r^2 + 2 y^2)")
+      .def_readonly("p2", &CameraModel::p2, "tangential distortion: x' gains p2 (r^2 + 2 x^2)")
+      .def_readonly("k3", &CameraModel::k3, "radial distortion of r^6")
       .def(
           "project", [](const CameraModel& camera, const Eigen::Vector3d& point_m) { return project(camera, point_m); },
           "Point in the camera frame [m] to pixels (2,), or None if it is not in front.", py::arg("point_m"))
@@ -226,10 +239,11 @@ PYBIND11_MODULE(core, m) {
              body.validate();
              return body;
            }),
-           py::arg("tags"), py::kw_only(), py::arg("family") = "tag36h11", py::arg("name") = "leader")
-      .def_readonly("name", &LeaderBody::name)
-      .def_readonly("family", &LeaderBody::family)
-      .def_readonly("tags", &LeaderBody::tags);
+           py::arg("tags"), py::kw_only(), py::arg("family") = "tag36h11", py::arg("name") = "leader",
+           "tags: list of BodyTag, 1 to 12. ConfigError: no tag, too many, an id twice, a number out of range.")
+      .def_readonly("name", &LeaderBody::name, "name of the leader, for people")
+      .def_readonly("family", &LeaderBody::family, "name of the AprilTag family of all its tags")
+      .def_readonly("tags", &LeaderBody::tags, "list of BodyTag, a copy");
 
   py::class_<TagSighting>(m, "TagSighting",
                           "One tag in one picture; corners (4, 2) [px] from the bottom left, "
@@ -238,11 +252,17 @@ PYBIND11_MODULE(core, m) {
              return TagSighting{id, hamming, decision_margin, to_corners(corners_px)};
            }),
            py::kw_only(), py::arg("id"), py::arg("corners_px"), py::arg("hamming") = 0,
-           py::arg("decision_margin") = 0.0)
-      .def_readonly("id", &TagSighting::id)
-      .def_readonly("hamming", &TagSighting::hamming)
-      .def_readonly("decision_margin", &TagSighting::decision_margin)
-      .def_property_readonly("corners_px", [](const TagSighting& tag) { return to_array(tag.corners_px); });
+           py::arg("decision_margin") = 0.0,
+           "corners_px: (4, 2) [px] from the bottom left, counter-clockwise as one reads the tag. ValueError on "
+           "another shape.")
+      .def_readonly("id", &TagSighting::id, "number of the tag in its family")
+      .def_readonly("hamming", &TagSighting::hamming, "corrected bits")
+      .def_readonly("decision_margin", &TagSighting::decision_margin,
+                    "AprilTag's: mean contrast of the bits, in gray levels")
+      .def_property_readonly(
+          "corners_px", [](const TagSighting& tag) { return to_array(tag.corners_px); },
+          "(4, 2) [px]: bottom left, bottom right, top right, top left, as one reads the tag; (0, 0) is the top-left "
+          "pixel's centre");
 
   py::enum_<FoundBy>(m, "FoundBy", "How the leader's tags were found in a frame.")
       .value("track", FoundBy::track)
@@ -253,10 +273,17 @@ PYBIND11_MODULE(core, m) {
              return RelativeMeasurement{{distance_m, bearing_rad, heading_rad},
                                         to_matrix<3, 3>(covariance, "covariance")};
            }),
-           py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad"), py::arg("heading_rad"), py::arg("covariance"))
-      .def_property_readonly("distance_m", [](const RelativeMeasurement& r) { return r.pose.distance_m; })
-      .def_property_readonly("bearing_rad", [](const RelativeMeasurement& r) { return r.pose.bearing_rad; })
-      .def_property_readonly("heading_rad", [](const RelativeMeasurement& r) { return r.pose.heading_rad; })
+           py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad"), py::arg("heading_rad"), py::arg("covariance"),
+           "covariance: (3, 3) of (distance_m, bearing_rad, heading_rad). ValueError on another shape.")
+      .def_property_readonly(
+          "distance_m", [](const RelativeMeasurement& r) { return r.pose.distance_m; },
+          "d [m], between the base origins, of this frame alone")
+      .def_property_readonly(
+          "bearing_rad", [](const RelativeMeasurement& r) { return r.pose.bearing_rad; },
+          "theta [rad], positive: the leader is to the left, of this frame alone")
+      .def_property_readonly(
+          "heading_rad", [](const RelativeMeasurement& r) { return r.pose.heading_rad; },
+          "psi [rad], the leader's heading relative to the coordinator's, of this frame alone")
       .def_property_readonly(
           "covariance", [](const RelativeMeasurement& r) { return to_array(r.covariance); },
           "(3, 3) of (distance_m, bearing_rad, heading_rad)");
@@ -294,15 +321,18 @@ PYBIND11_MODULE(core, m) {
            py::arg("ambiguity_ratio") = 1.0, py::arg("reprojection_error_px") = 0.0,
            py::arg("min_decision_margin") = 0.0, py::arg_v("found_by", FoundBy::frame, "pilotfish.core.FoundBy.frame"),
            "measured: default, the same as the filtered numbers.")
-      .def_readonly("utime", &Observation::utime)
-      .def_readonly("distance_m", &Observation::distance_m)
-      .def_readonly("bearing_rad", &Observation::bearing_rad)
-      .def_readonly("heading_rad", &Observation::heading_rad)
+      .def_readonly("utime", &Observation::utime, "exposure of the frame [us]")
+      .def_readonly("distance_m", &Observation::distance_m,
+                    "d = hypot(x, y) [m] of the leader's base origin in the coordinator's base frame")
+      .def_readonly("bearing_rad", &Observation::bearing_rad, "theta = atan2(y, x) [rad], positive: to the left")
+      .def_readonly("heading_rad", &Observation::heading_rad,
+                    "psi [rad], the leader's heading relative to the coordinator's, filtered over the frames")
       .def_property_readonly(
           "covariance", [](const Observation& o) { return to_array(o.covariance); },
           "(3, 3) of (distance_m, bearing_rad, heading_rad)")
       .def_property_readonly(
-          "cMo", [](const Observation& o) { return to_array(o.cMo); }, "(4, 4)")
+          "cMo", [](const Observation& o) { return to_array(o.cMo); },
+          "(4, 4): leader's base frame to camera frame [m], of this frame alone")
       .def_readonly("measured", &Observation::measured, "of this frame alone: what a filter of your own should be fed")
       .def_readonly("heading_doubt", &Observation::heading_doubt,
                     "how much the headings so far speak for another one than heading_rad, 0 to 1")
@@ -313,12 +343,16 @@ PYBIND11_MODULE(core, m) {
             return to_array(*o.other_cMo);
           },
           "(4, 4) of the other planar solution, or None")
-      .def_readonly("reprojection_error_px", &Observation::reprojection_error_px)
-      .def_readonly("ambiguity_ratio", &Observation::ambiguity_ratio)
-      .def_readonly("min_decision_margin", &Observation::min_decision_margin)
-      .def_readonly("found_by", &Observation::found_by)
+      .def_readonly("reprojection_error_px", &Observation::reprojection_error_px, "RMS over all corners used [px]")
+      .def_readonly("ambiguity_ratio", &Observation::ambiguity_ratio,
+                    "error of the worse planar solution over the better one's, in standard deviations of the corners, "
+                    "at least 1; near 1 the heading cannot be told from one picture, 1e6 without a second solution")
+      .def_readonly("min_decision_margin", &Observation::min_decision_margin,
+                    "smallest decision margin of the tags used, in gray levels")
+      .def_readonly("found_by", &Observation::found_by, "FoundBy: how the tags were found")
       .def_property_readonly(
-          "tags", [](const Observation& o) { return std::vector<TagSighting>(o.tags.begin(), o.tags.end()); });
+          "tags", [](const Observation& o) { return std::vector<TagSighting>(o.tags.begin(), o.tags.end()); },
+          "list of TagSighting: the tags used, 12 at most");
 
   m.def(
       "read_file",
@@ -336,4 +370,11 @@ PYBIND11_MODULE(core, m) {
         return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
       },
       "(distance_m, bearing_rad, heading_rad) of a leader whose base has the pose bMo (4, 4).", py::arg("bMo"));
+
+  add_reprs(m, {"Twist", "Setpoint", "SetpointDecision", "CameraModel", "LeaderBody", "TagSighting", "SequenceGuard",
+                "SetpointGate"});
+  add_repr(m, "Frame", {"utime", "width", "height"});
+  add_repr(m, "RelativeMeasurement", {"distance_m", "bearing_rad", "heading_rad"});
+  add_repr(m, "Observation",
+           {"utime", "distance_m", "bearing_rad", "heading_rad", "found_by", "reprojection_error_px", "tags"});
 }

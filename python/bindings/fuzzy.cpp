@@ -10,6 +10,7 @@
 #include "pilotfish/config/fuzzy_text.hpp"
 #include "pilotfish/fuzzy/centroid.hpp"
 #include "pilotfish/fuzzy/explain.hpp"
+#include "repr.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish::fuzzy;
@@ -131,10 +132,10 @@ PYBIND11_MODULE(fuzzy, m) {
       .def(py::init([](double a, double b, double c) {
              return checked(Triangle{a, b, c});
            }),
-           py::arg("a"), py::arg("b"), py::arg("c"))
-      .def_readonly("a", &Triangle::a)
-      .def_readonly("b", &Triangle::b)
-      .def_readonly("c", &Triangle::c)
+           py::arg("a"), py::arg("b"), py::arg("c"), "ValueError unless a <= b <= c with a < c, all finite.")
+      .def_readonly("a", &Triangle::a, "left end of the support")
+      .def_readonly("b", &Triangle::b, "where the degree is 1")
+      .def_readonly("c", &Triangle::c, "right end of the support")
       .def("__repr__", [](const Triangle& s) { return text("Triangle(a=", s.a, ", b=", s.b, ", c=", s.c, ")"); });
   py::class_<Trapezoid>(
       m, "Trapezoid",
@@ -142,20 +143,21 @@ PYBIND11_MODULE(fuzzy, m) {
       .def(py::init([](double a, double b, double c, double d) {
              return checked(Trapezoid{a, b, c, d});
            }),
-           py::arg("a"), py::arg("b"), py::arg("c"), py::arg("d"))
-      .def_readonly("a", &Trapezoid::a)
-      .def_readonly("b", &Trapezoid::b)
-      .def_readonly("c", &Trapezoid::c)
-      .def_readonly("d", &Trapezoid::d)
+           py::arg("a"), py::arg("b"), py::arg("c"), py::arg("d"),
+           "ValueError unless a <= b <= c <= d; a = b = -inf or c = d = inf is an open shoulder.")
+      .def_readonly("a", &Trapezoid::a, "left end of the support; -inf: open")
+      .def_readonly("b", &Trapezoid::b, "from here the degree is 1; -inf: open")
+      .def_readonly("c", &Trapezoid::c, "up to here the degree is 1; inf: open")
+      .def_readonly("d", &Trapezoid::d, "right end of the support; inf: open")
       .def("__repr__",
            [](const Trapezoid& s) { return text("Trapezoid(a=", s.a, ", b=", s.b, ", c=", s.c, ", d=", s.d, ")"); });
   py::class_<Gaussian>(m, "Gaussian", "mu(x) = exp(-(x - mean)^2 / (2 sigma^2))")
       .def(py::init([](double mean, double sigma) {
              return checked(Gaussian{mean, sigma});
            }),
-           py::arg("mean"), py::arg("sigma"))
-      .def_readonly("mean", &Gaussian::mean)
-      .def_readonly("sigma", &Gaussian::sigma)
+           py::arg("mean"), py::arg("sigma"), "ValueError unless mean is finite and sigma positive.")
+      .def_readonly("mean", &Gaussian::mean, "where the degree is 1")
+      .def_readonly("sigma", &Gaussian::sigma, "width, in units of the universe")
       .def("__repr__", [](const Gaussian& s) { return text("Gaussian(mean=", s.mean, ", sigma=", s.sigma, ")"); });
 
   m.def(
@@ -177,9 +179,10 @@ PYBIND11_MODULE(fuzzy, m) {
       .def(py::init([](const std::string& label, const MembershipFunction& set) {
              return Term{label, set};
            }),
-           py::arg("label"), py::arg("set"))
-      .def_readonly("label", &Term::label)
-      .def_readonly("set", &Term::set)
+           py::arg("label"), py::arg("set"),
+           "label: e.g. NS; set: Triangle, Trapezoid or Gaussian over the variable's universe.")
+      .def_readonly("label", &Term::label, "the word for it, e.g. NS")
+      .def_readonly("set", &Term::set, "Triangle, Trapezoid or Gaussian")
       .def("__repr__", [](const Term& term) {
         return "Term('" + term.label + "', " + py::repr(py::cast(term.set)).cast<std::string>() + ")";
       });
@@ -189,26 +192,31 @@ PYBIND11_MODULE(fuzzy, m) {
       .def(py::init([](const std::string& name, const std::vector<Term>& terms, double min, double max) {
              return checked(LinguisticVariable{name, min, max, terms});
            }),
-           py::arg("name"), py::arg("terms"), py::kw_only(), py::arg("min") = -1.0, py::arg("max") = 1.0)
-      .def_readonly("name", &LinguisticVariable::name)
-      .def_readonly("min", &LinguisticVariable::min)
-      .def_readonly("max", &LinguisticVariable::max)
-      .def_readonly("terms", &LinguisticVariable::terms)
-      .def_property_readonly("labels",
-                             [](const LinguisticVariable& variable) {
-                               std::vector<std::string> labels;
-                               for (const Term& term : variable.terms) labels.push_back(term.label);
-                               return labels;
-                             })
+           py::arg("name"), py::arg("terms"), py::kw_only(), py::arg("min") = -1.0, py::arg("max") = 1.0,
+           "terms from negative to positive; [min, max] is the universe. ValueError names what is ill-formed.")
+      .def_readonly("name", &LinguisticVariable::name, "name of the variable, e.g. E")
+      .def_readonly("min", &LinguisticVariable::min, "lower end of the universe")
+      .def_readonly("max", &LinguisticVariable::max, "upper end of the universe")
+      .def_readonly("terms", &LinguisticVariable::terms, "list of Term from negative to positive, a copy")
+      .def_property_readonly(
+          "labels",
+          [](const LinguisticVariable& variable) {
+            std::vector<std::string> labels;
+            for (const Term& term : variable.terms) labels.push_back(term.label);
+            return labels;
+          },
+          "list of the terms' labels")
       .def("index_of", &LinguisticVariable::index_of, "Index of a label; ValueError listing those there are.",
            py::arg("label"));
 
   py::class_<RuleBase>(m, "RuleBase",
                        "Indices of output terms, one list for each row (term of E), one cell for each "
                        "column (term of EC).")
-      .def(py::init(&make_rules), py::arg("consequents"))
-      .def_readonly("rows", &RuleBase::rows)
-      .def_readonly("columns", &RuleBase::columns)
+      .def(
+          py::init(&make_rules), py::arg("consequents"),
+          "consequents: one list of output terms' indices for each row. ValueError if the rows have different lengths.")
+      .def_readonly("rows", &RuleBase::rows, "number of terms of E")
+      .def_readonly("columns", &RuleBase::columns, "number of terms of EC")
       .def_property_readonly(
           "consequents",
           [](const RuleBase& rules) {
@@ -221,12 +229,15 @@ PYBIND11_MODULE(fuzzy, m) {
 
   py::class_<Controller>(m, "Controller", "A two-input Mamdani controller; proved when it is made (ValueError).")
       .def(py::init(&make_controller), py::kw_only(), py::arg("error"), py::arg("error_change"), py::arg("output"),
-           py::arg("rules"), py::arg("name") = "")
-      .def_readonly("name", &Controller::name)
-      .def_readonly("error", &Controller::error)
-      .def_readonly("error_change", &Controller::error_change)
-      .def_readonly("output", &Controller::output)
-      .def_readonly("rules", &Controller::rules);
+           py::arg("rules"), py::arg("name") = "",
+           "error: E, error_change: EC, output: U; rules: RuleBase. ValueError names the variable, term or cell at "
+           "fault.")
+      .def_readonly("name", &Controller::name, "name of the controller, for people")
+      .def_readonly("error", &Controller::error, "LinguisticVariable E: the distance error")
+      .def_readonly("error_change", &Controller::error_change,
+                    "LinguisticVariable EC: its change over one control period")
+      .def_readonly("output", &Controller::output, "LinguisticVariable U: the velocity")
+      .def_readonly("rules", &Controller::rules, "RuleBase: the paper's Table I by default");
 
   py::enum_<WidthShape>(m, "WidthShape", "Shape of a fuzzified input: half-width or sigma is its width.")
       .value("triangle", WidthShape::triangle)
@@ -234,21 +245,23 @@ PYBIND11_MODULE(fuzzy, m) {
   py::class_<InputWidths>(m, "InputWidths",
                           "Widths of the inputs A', B' of eq. (6), in units of their universes; 0 is a singleton.")
       .def(py::init(&make_widths), py::arg("error") = 0.0, py::arg("error_change") = 0.0,
-           py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"))
-      .def_readonly("error", &InputWidths::error)
-      .def_readonly("error_change", &InputWidths::error_change)
-      .def_readonly("shape", &InputWidths::shape);
+           py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"),
+           "ValueError unless both widths are in [0, inf).")
+      .def_readonly("error", &InputWidths::error, "width of A', in units of E's universe; 0: a singleton")
+      .def_readonly("error_change", &InputWidths::error_change,
+                    "width of B', in units of EC's universe; 0: a singleton")
+      .def_readonly("shape", &InputWidths::shape, "WidthShape of both");
 
   py::class_<Inference>(m, "Inference", "What one inference says: output u*, and the strengths of the 56 rules.")
-      .def_readonly("output", &Inference::output)
+      .def_readonly("output", &Inference::output, "u*, eq. (7), inside the universe of U")
       .def_property_readonly(
           "strengths", [](const Inference& inference) { return DoubleArray(kPaperRules, inference.strengths.data()); },
           "(56,), row * 7 + column")
       .def("__repr__", [](const Inference& inference) { return text("Inference(output=", inference.output, ")"); });
 
   py::class_<Moments>(m, "Moments", "Area and first moment of a membership function.")
-      .def_readonly("area", &Moments::area)
-      .def_readonly("first", &Moments::first)
+      .def_readonly("area", &Moments::area, "integral of mu(u) du over the universe")
+      .def_readonly("first", &Moments::first, "integral of u mu(u) du; the centroid is first / area")
       .def("__repr__", [](const Moments& s) { return text("Moments(area=", s.area, ", first=", s.first, ")"); });
 
   m.def("describe_rule", &describe_rule, "\"IF E is NS AND EC is ZE THEN U is PM\"; rule = row * 7 + column.",
@@ -278,12 +291,12 @@ PYBIND11_MODULE(fuzzy, m) {
       py::arg("label"), py::arg("x"), py::arg("width"),
       py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"));
   py::class_<FiredRule>(m, "FiredRule", "A rule that fires, how strongly, and both in words.")
-      .def_readonly("rule", &FiredRule::rule)
-      .def_readonly("strength", &FiredRule::strength)
-      .def_readonly("text", &FiredRule::text)
+      .def_readonly("rule", &FiredRule::rule, "its number, row * columns + column")
+      .def_readonly("strength", &FiredRule::strength, "its strength, eq. (4), in (0, 1]")
+      .def_readonly("text", &FiredRule::text, "the rule and its strength in words")
       .def("__repr__", [](const FiredRule& fired) { return fired.text; });
   py::class_<Explanation>(m, "Explanation", "One inference with all that led to it.")
-      .def_readonly("inference", &Explanation::inference)
+      .def_readonly("inference", &Explanation::inference, "Inference: output and all 56 strengths")
       .def_readonly("fired", &Explanation::fired, "rules with a strength above zero, strongest first")
       .def_property_readonly(
           "heights",
@@ -304,4 +317,11 @@ PYBIND11_MODULE(fuzzy, m) {
   m.def("load_controller", &pilotfish::config::load_fuzzy_controller,
         "Reads and proves data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
         py::arg("path"));
+
+  using pilotfish::python::add_repr;
+  add_repr(m, "LinguisticVariable", {"name", "min", "max", "labels"});
+  add_repr(m, "RuleBase", {"rows", "columns"});
+  add_repr(m, "Controller", {"name", "rules"});
+  add_repr(m, "InputWidths");
+  add_repr(m, "Explanation", {"inference", "fired"});
 }

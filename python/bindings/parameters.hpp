@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pilotfish/core/sections.hpp"
+#include "repr.hpp"
 
 namespace pilotfish::python {
 
@@ -39,7 +40,8 @@ std::string keyword_signature() {
       const std::string type = type_of(defaults.attr(name.c_str()));
       text += ", " + name + ": " + type + " = ...";
     });
-  return text + ") -> None";
+  return text +
+         ") -> None\n\nConfigError (a ValueError) names a number out of its range, TypeError an unknown keyword.";
 }
 
 template <class Config>
@@ -50,6 +52,14 @@ void set_attributes(Config& config, const py::kwargs& values, const std::string&
       throw py::type_error(name + " has no parameter '" + py::str(key).cast<std::string>() + "'");
     py::setattr(self, key, py::reinterpret_borrow<py::object>(value));
   }
+}
+
+/// "TypeName: what the type says of itself".
+template <class Part>
+std::string describe_part() {
+  const py::object type = py::type::of<Part>();
+  return py::str(type.attr("__name__")).template cast<std::string>() + ": " +
+         py::str(type.attr("__doc__")).template cast<std::string>();
 }
 
 /// The attributes: numbers from parameters(), parts from sections(). A part whose keys stand in its parent's section
@@ -78,7 +88,8 @@ void bind_attributes(py::class_<Config>& binding) {
     }
   if constexpr (kHasSections<Config>)
     Config::sections([&](const std::string& name, auto member) {
-      if (!name.empty()) binding.def_readwrite(name.c_str(), member);
+      using Part = std::decay_t<decltype(std::declval<Config>().*member)>;
+      if (!name.empty()) binding.def_readwrite(name.c_str(), member, describe_part<Part>().c_str());
     });
 }
 
@@ -96,15 +107,14 @@ py::class_<Config> bind_parameters(py::module_& module, const char* name, const 
                 }),
                 keyword_signature<Config>().c_str());
   }
-  binding.def("__repr__", [name](const py::object& self) {
-    std::vector<std::string> keys;
-    for (const Parameter<Config>& parameter : Config::parameters()) keys.emplace_back(parameter.key);
-    std::string text_out = std::string(name) + "(";
-    for (std::size_t i = 0; i < keys.size(); ++i)
-      text_out +=
-          (i > 0 ? ", " : "") + keys[i] + "=" + py::repr(self.attr(keys[i].c_str())).template cast<std::string>();
-    return text_out + ")";
-  });
+  std::vector<std::string> fields;
+  if constexpr (kHasParameters<Config>)
+    for (const Parameter<Config>& parameter : Config::parameters()) fields.emplace_back(parameter.key);
+  if constexpr (kHasSections<Config>)
+    Config::sections([&](const std::string& part, auto) {
+      if (!part.empty()) fields.push_back(part);
+    });
+  binding.def("__repr__", [fields](const py::object& self) { return repr_of(self, fields); });
   return binding;
 }
 

@@ -20,24 +20,22 @@ void bind_motion(py::module_& m) {
       .def(py::init([](double x_m, double y_m, double heading_rad) {
              return Pose2{x_m, y_m, heading_rad};
            }),
-           py::kw_only(), py::arg("x_m") = 0.0, py::arg("y_m") = 0.0, py::arg("heading_rad") = 0.0)
-      .def_readonly("x_m", &Pose2::x_m)
-      .def_readonly("y_m", &Pose2::y_m)
-      .def_readonly("heading_rad", &Pose2::heading_rad)
-      .def("__repr__", [](const Pose2& pose) {
-        std::ostringstream out;
-        out << "Pose2(x_m=" << pose.x_m << ", y_m=" << pose.y_m << ", heading_rad=" << pose.heading_rad << ")";
-        return out.str();
-      });
+           py::kw_only(), py::arg("x_m") = 0.0, py::arg("y_m") = 0.0, py::arg("heading_rad") = 0.0,
+           "x_m, y_m [m] and heading_rad [rad] in the world frame (x, y on the ground, heading from x to the left).")
+      .def_readonly("x_m", &Pose2::x_m, "[m], in the world frame")
+      .def_readonly("y_m", &Pose2::y_m, "[m], in the world frame")
+      .def_readonly("heading_rad", &Pose2::heading_rad, "[rad] from the world's x axis, positive: to the left");
+  add_repr(m, "Pose2");  // shown in signatures below
   py::class_<UnicycleState>(m, "UnicycleState", "Where a robot is and how fast it really moves.")
-      .def_readonly("pose", &UnicycleState::pose)
-      .def_readonly("twist", &UnicycleState::twist);
+      .def_readonly("pose", &UnicycleState::pose, "Pose2 of the base in the world frame")
+      .def_readonly("twist", &UnicycleState::twist, "Twist that the wheels really do, in the base frame");
   bind_parameters<DriveConfig>(m, "DriveConfig", "What a drive can do, and how late it does it.");
   m.def("move_along_arc", &move_along_arc, "The pose after dt_s with a constant twist, exactly.", py::arg("pose"),
         py::arg("twist"), py::arg("dt_s"));
   py::class_<Unicycle>(m, "Unicycle", "A differential-drive robot behind its wheel driver.")
-      .def(py::init<const DriveConfig&, const Pose2&>(), py::arg("drive"), py::arg("start") = Pose2{})
-      .def_property_readonly("state", &Unicycle::state)
+      .def(py::init<const DriveConfig&, const Pose2&>(), py::arg("drive"), py::arg("start") = Pose2{},
+           "drive: DriveConfig; start: Pose2, at rest.")
+      .def_property_readonly("state", &Unicycle::state, "UnicycleState: pose and real twist now")
       .def_property_readonly("set_value", &Unicycle::set_value, "the driver's ramp behind which the wheels lag")
       .def("advance", &Unicycle::advance, "Obeys one constant command for duration_s.", py::arg("command"),
            py::arg("duration_s"));
@@ -45,20 +43,23 @@ void bind_motion(py::module_& m) {
 
 void bind_trajectories(py::module_& m) {
   bind_parameters<SpeedProfile>(m, "SpeedProfile", "Speed along a path: from rest, along, and back to rest.");
-  py::class_<Still>(m, "Still", "Stands where it starts.").def(py::init<>());
+  py::class_<Still>(m, "Still", "Stands where it starts.").def(py::init<>(), "A trajectory that stays at the start.");
   py::class_<Line>(m, "Line", "Straight ahead.")
-      .def(py::init([](const SpeedProfile& profile) { return Line{profile}; }), py::arg("profile") = SpeedProfile{})
-      .def_readonly("profile", &Line::profile);
+      .def(py::init([](const SpeedProfile& profile) { return Line{profile}; }), py::arg("profile") = SpeedProfile{},
+           "profile: SpeedProfile along the line.")
+      .def_readonly("profile", &Line::profile, "SpeedProfile along the line");
   py::class_<Circle>(m, "Circle", "A circular arc.")
       .def(py::init([](double radius_m, bool clockwise, const SpeedProfile& profile) {
              Circle circle{radius_m, clockwise, profile};
              check_ranges(circle, "circle");
              return circle;
            }),
-           py::kw_only(), py::arg("radius_m") = 1.0, py::arg("clockwise") = false, py::arg("profile") = SpeedProfile{})
-      .def_readonly("radius_m", &Circle::radius_m)
-      .def_readonly("clockwise", &Circle::clockwise)
-      .def_readonly("profile", &Circle::profile);
+           py::kw_only(), py::arg("radius_m") = 1.0, py::arg("clockwise") = false, py::arg("profile") = SpeedProfile{},
+           "radius_m [m]; clockwise: turns to the right; profile: SpeedProfile along the arc. ConfigError on a number "
+           "out of range.")
+      .def_readonly("radius_m", &Circle::radius_m, "[m], of the base's origin")
+      .def_readonly("clockwise", &Circle::clockwise, "True: turns to the right; False: to the left")
+      .def_readonly("profile", &Circle::profile, "SpeedProfile along the arc");
   py::class_<FigureEight>(m, "FigureEight", "Gerono's lemniscate at constant speed along its arc.")
       .def(py::init([](double half_length_m, double half_width_m, const SpeedProfile& profile) {
              FigureEight eight{half_length_m, half_width_m, profile};
@@ -66,12 +67,14 @@ void bind_trajectories(py::module_& m) {
              return eight;
            }),
            py::kw_only(), py::arg("half_length_m") = 1.5, py::arg("half_width_m") = 1.0,
-           py::arg("profile") = SpeedProfile{})
-      .def_property_readonly("lap_length_m", &lap_length_m)
-      .def_readonly("profile", &FigureEight::profile);
+           py::arg("profile") = SpeedProfile{},
+           "x = a sin p, y = b sin p cos p; half_length_m: a [m], half_width_m: b [m]. ConfigError on a number out of "
+           "range.")
+      .def_property_readonly("lap_length_m", &lap_length_m, "length of one lap [m]")
+      .def_readonly("profile", &FigureEight::profile, "SpeedProfile along the arc");
   bind_parameters<Waypoint>(m, "Waypoint", "A point to drive to, in the frame of the start.");
   bind_parameters<Waypoints>(m, "Waypoints", "From point to point: turn on the spot, drive, stop, wait.")
-      .def_readwrite("points", &Waypoints::points);
+      .def_readwrite("points", &Waypoints::points, "list of Waypoint; getting it gives a copy, so set it as a whole");
   m.def("state_at", &state_at, "UnicycleState on the trajectory that begins at `start`, exactly.",
         py::arg("trajectory"), py::arg("start"), py::arg("time_s"));
 }
@@ -86,7 +89,9 @@ void bind_rendering(py::module_& m) {
              return std::make_unique<Renderer>(camera, mounting, imperfections, clutter_seed);
            }),
            py::arg("camera"), py::arg("imperfections") = Imperfections{}, py::arg("mounting") = CameraMounting{},
-           py::kw_only(), py::arg("clutter_seed") = 1)
+           py::kw_only(), py::arg("clutter_seed") = 1,
+           "camera: size and lens; mounting: on the robot's base; clutter_seed: of the background. The same arguments "
+           "give the same bytes. ConfigError names what is out of range.")
       .def(
           "render",
           [](const Renderer& renderer, const std::vector<std::pair<RobotBody, DoubleArray>>& bodies,
@@ -124,22 +129,23 @@ void bind_rendering(py::module_& m) {
 
 void bind_scenario(py::module_& m) {
   py::class_<CameraSpec>(m, "CameraSpec", "A robot's own camera.")
-      .def_readwrite("model", &CameraSpec::model)
-      .def_readwrite("mounting", &CameraSpec::mounting)
-      .def_readwrite("imperfections", &CameraSpec::imperfections)
-      .def_readwrite("latency_s", &CameraSpec::latency_s)
-      .def_readwrite("drop_probability", &CameraSpec::drop_probability);
+      .def_readwrite("model", &CameraSpec::model, "CameraModel: size and lens")
+      .def_readwrite("mounting", &CameraSpec::mounting, "CameraMounting: where it sits on the robot")
+      .def_readwrite("imperfections", &CameraSpec::imperfections, "Imperfections of its pictures")
+      .def_readwrite("latency_s", &CameraSpec::latency_s,
+                     "from the exposure to the moment the command that answers it acts [s]")
+      .def_readwrite("drop_probability", &CameraSpec::drop_probability, "of a picture never being delivered, 0 to 1");
   bind_parameters<Visibility>(m, "Visibility", "When nobody can see a robot.");
   py::class_<RobotSpec>(m, "RobotSpec", "One robot of the world.")
-      .def(py::init<>())
-      .def_readwrite("name", &RobotSpec::name)
-      .def_readwrite("start", &RobotSpec::start)
+      .def(py::init<>(), "Defaults; set the attributes. Scenario.validate() checks them.")
+      .def_readwrite("name", &RobotSpec::name, "name of the robot: its channels and its noise come from it")
+      .def_readwrite("start", &RobotSpec::start, "Pose2 at time 0 in the world frame")
       .def_readwrite("trajectory", &RobotSpec::trajectory, "None: it follows somebody or obeys commands")
       .def_readwrite("follows", &RobotSpec::follows, "name of its leader; empty if none")
-      .def_readwrite("drive", &RobotSpec::drive)
-      .def_readwrite("body", &RobotSpec::body)
-      .def_readwrite("visibility", &RobotSpec::visibility)
-      .def_readwrite("camera", &RobotSpec::camera)
+      .def_readwrite("drive", &RobotSpec::drive, "DriveConfig: what its wheels can do")
+      .def_readwrite("body", &RobotSpec::body, "RobotBody that others see; None: it is invisible")
+      .def_readwrite("visibility", &RobotSpec::visibility, "Visibility: when nobody can see it")
+      .def_readwrite("camera", &RobotSpec::camera, "CameraSpec, or None if it has no camera")
       .def_property_readonly(
           "coordinator_file",
           [](const RobotSpec& robot) -> std::optional<std::filesystem::path> {
@@ -150,7 +156,8 @@ void bind_scenario(py::module_& m) {
       .def_readwrite("setpoint", &RobotSpec::setpoint, "None: what the coordinator's file says");
   bind_parameters<Scenario>(m, "Scenario", "A world to play: robots, time, seed.")
       .def_readwrite("robots", &Scenario::robots, "list of RobotSpec; getting it gives a copy, so set it as a whole")
-      .def_property_readonly("frame_count", &Scenario::frame_count)
+      .def_property_readonly("frame_count", &Scenario::frame_count,
+                             "number of exposures, at k / frame_rate_hz, k = 0, 1, ... < duration_s")
       .def(
           "robot",
           [](const Scenario& scenario, const std::string& name) {
@@ -165,16 +172,23 @@ void bind_scenario(py::module_& m) {
 void bind_world(py::module_& m) {
   m.attr("START_UTIME") = kStartUtime;
   py::class_<World>(m, "World", "The world of a scenario. It has no clock: it is advanced.")
-      .def(py::init<Scenario>(), py::arg("scenario"))
-      .def_property_readonly("scenario", &World::scenario, py::return_value_policy::copy)
-      .def_property_readonly("time_s", &World::time_s)
-      .def_property_readonly("utime", &World::utime)
-      .def_property_readonly("frame_index", &World::frame_index)
+      .def(py::init<Scenario>(), py::arg("scenario"),
+           "ValueError (ConfigError) names the key if the scenario is not valid.")
+      .def_property_readonly("scenario", &World::scenario, py::return_value_policy::copy,
+                             "a copy of the Scenario it plays")
+      .def_property_readonly("time_s", &World::time_s, "present time [s], 0 at the start")
+      .def_property_readonly("utime", &World::utime, "present time on the frames' clock [us]: START_UTIME at the start")
+      .def_property_readonly("frame_index", &World::frame_index,
+                             "number of the exposure that belongs to the present time: round(time_s * frame_rate_hz)")
       .def("command", &World::command, "What the robot is told from effective_time_s on; False if refused.",
            py::arg("robot"), py::arg("twist"), py::arg("effective_time_s"))
-      .def("advance_to", &World::advance_to, py::arg("time_s"), py::call_guard<py::gil_scoped_release>())
-      .def("state", &World::state, py::arg("robot"))
-      .def("command_in_effect", &World::command_in_effect, py::arg("robot"), py::arg("time_s"))
+      .def("advance_to", &World::advance_to, py::arg("time_s"), py::call_guard<py::gil_scoped_release>(),
+           "Moves everybody on to time_s [s]. A time in the past changes nothing.")
+      .def("state", &World::state, py::arg("robot"),
+           "UnicycleState of a robot now. IndexError on a name that the scenario does not have.")
+      .def("command_in_effect", &World::command_in_effect, py::arg("robot"), py::arg("time_s"),
+           "Twist that acts at time_s [s], not in the past, if no other command comes before. IndexError on a name "
+           "that the scenario does not have.")
       .def(
           "true_cMo", [](const World& world, const std::string& robot) { return to_array(world.true_cMo(robot)); },
           "(4, 4): the leader's base in the robot's camera frame", py::arg("robot"))
@@ -191,13 +205,19 @@ void bind_world(py::module_& m) {
 
 void bind_loop_parts(py::module_& m) {
   py::class_<AwaitedAnswers>(m, "AwaitedAnswers", "The bookkeeping of lock-step: whose answer is still out.")
-      .def(py::init<double, double>(), py::kw_only(), py::arg("resend_after_s"), py::arg("give_up_after_s"))
-      .def("sent", &AwaitedAnswers::sent, py::arg("robot"), py::arg("utime"), py::arg("now_s"))
+      .def(py::init<double, double>(), py::kw_only(), py::arg("resend_after_s"), py::arg("give_up_after_s"),
+           "Asks again after resend_after_s [s] without an answer, gives up after give_up_after_s [s]; times are on "
+           "any clock that only goes forward.")
+      .def("sent", &AwaitedAnswers::sent, py::arg("robot"), py::arg("utime"), py::arg("now_s"),
+           "A picture exposed at utime [us] went to the robot at now_s [s]: its answer is awaited.")
       .def("answered", &AwaitedAnswers::answered, "True if it answers the picture awaited.", py::arg("robot"),
            py::arg("utime"))
-      .def_property_readonly("complete", &AwaitedAnswers::complete)
-      .def("to_resend", &AwaitedAnswers::to_resend, py::arg("now_s"))
-      .def("overdue", &AwaitedAnswers::overdue, py::arg("now_s"));
+      .def_property_readonly("complete", &AwaitedAnswers::complete, "True if nobody's answer is out")
+      .def("to_resend", &AwaitedAnswers::to_resend, py::arg("now_s"),
+           "Names of the robots whose picture is to be sent once more at now_s [s]; the next time is resend_after_s "
+           "later.")
+      .def("overdue", &AwaitedAnswers::overdue, py::arg("now_s"),
+           "Names of the robots that have been silent for too long at now_s [s].");
   m.def(
       "recording_header",
       [] {
@@ -229,4 +249,7 @@ PYBIND11_MODULE(sim, m) {
   bind_scenario(m);
   bind_world(m);
   bind_loop_parts(m);
+
+  add_reprs(m, {"UnicycleState", "Line", "Circle", "FigureEight", "CameraSpec", "RobotSpec"});
+  add_repr(m, "World", {"time_s", "frame_index"});
 }

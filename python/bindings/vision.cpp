@@ -26,7 +26,9 @@ PYBIND11_MODULE(vision, m) {
   py::module_::import("pilotfish.core");
 
   py::class_<TagFamily>(m, "TagFamily", "One of libapriltag's families, for drawing its tags.")
-      .def(py::init<const std::string&>(), py::arg("name"))
+      .def(py::init<const std::string&>(), py::arg("name"),
+           "name: tag36h11, tag36h10, tag25h9, tag16h5, tagStandard41h12, tagStandard52h13, tagCircle21h7, "
+           "tagCircle49h12 or tagCustom48h12. ConfigError (leader.family) on any other.")
       .def_property_readonly("size", &TagFamily::size, "ids run from 0 to size - 1")
       .def_property_readonly("bits", &TagFamily::bits, "of one code")
       .def_property_readonly("cells_at_border", &TagFamily::cells_at_border,
@@ -44,13 +46,17 @@ PYBIND11_MODULE(vision, m) {
   py::class_<Detections>(m, "Detections", "Tags found in one picture and what was turned away, by gate.")
       .def_readonly("input", &Detections::input, "why the picture was not even looked at; Reason.none if it was")
       .def_readonly("tags", &Detections::tags, "sorted by id, then by decision margin, best first")
-      .def_readonly("refused_ids", &Detections::refused_ids)
-      .def_readonly("refused_hamming", &Detections::refused_hamming)
-      .def_readonly("refused_margin", &Detections::refused_margin);
+      .def_readonly("refused_ids", &Detections::refused_ids,
+                    "list[int], sorted: ids of the tags that a gate turned away")
+      .def_readonly("refused_hamming", &Detections::refused_hamming,
+                    "number of tags with more corrected bits than max_hamming")
+      .def_readonly("refused_margin", &Detections::refused_margin,
+                    "number of tags with a decision margin below min_decision_margin");
   py::class_<TagDetector>(m, "TagDetector", "libapriltag behind a safe edge; one detector serves one thread.")
       .def(py::init<const std::string&, const TagDetectorConfig&>(), py::arg("family") = "tag36h11", py::kw_only(),
-           py::arg("config") = TagDetectorConfig{})
-      .def_property_readonly("family_size", &TagDetector::family_size)
+           py::arg("config") = TagDetectorConfig{},
+           "family: a name that TagFamily knows. ConfigError on an unknown one or a parameter out of range.")
+      .def_property_readonly("family_size", &TagDetector::family_size, "ids run from 0 to family_size - 1")
       .def(
           "detect",
           [](TagDetector& detector, const py::array& image) {
@@ -78,11 +84,11 @@ PYBIND11_MODULE(vision, m) {
       .def_readonly("blur_u_px2", &Appearance::blur_u_px2, "variance of the blur along rows, with the pixel's own 1/12")
       .def_readonly("blur_v_px2", &Appearance::blur_v_px2, "the same along columns");
   py::class_<TagMeasurement>(m, "TagMeasurement", "One tag, verified and measured in one picture.")
-      .def_readonly("tag", &TagMeasurement::tag)
+      .def_readonly("tag", &TagMeasurement::tag, "TagSighting: id, bits and the fitted corners [px]")
       .def_property_readonly(
           "covariance_px2", [](const TagMeasurement& measurement) { return to_array(measurement.covariance_px2); },
           "(8, 8) of the corners (u0, v0, u1, v1, ...)")
-      .def_readonly("appearance", &TagMeasurement::appearance);
+      .def_readonly("appearance", &TagMeasurement::appearance, "Appearance of its print: gray levels and blur");
   py::enum_<TagRefusal>(m, "TagRefusal", "Why a tag that was looked at is no measurement.")
       .value("not_found", TagRefusal::not_found)
       .value("outside_frame", TagRefusal::outside_frame)
@@ -123,9 +129,12 @@ PYBIND11_MODULE(vision, m) {
       .def_property_readonly(
           "squared_error", [](const LeaderPose& pose) { return pose.best.squared_error; },
           "of the corners, in units of their covariance: chi-squared")
-      .def_property_readonly("reprojection_error_px",
-                             [](const LeaderPose& pose) { return pose.best.reprojection_error_px; })
-      .def_readonly("ambiguity_ratio", &LeaderPose::ambiguity_ratio)
+      .def_property_readonly(
+          "reprojection_error_px", [](const LeaderPose& pose) { return pose.best.reprojection_error_px; },
+          "RMS over all corners [px], in the picture as it is (distorted)")
+      .def_readonly("ambiguity_ratio", &LeaderPose::ambiguity_ratio,
+                    "error of the worse planar solution over the better one's, in standard deviations of the corners, "
+                    "at least 1; near 1 the heading cannot be told from one picture, 1e6 without a second solution")
       .def_property_readonly(
           "covariance", [](const LeaderPose& pose) { return to_array(pose.best.covariance); },
           "(6, 6) of the twist (v, w) in the camera frame that acts on cMo from the left");
@@ -161,34 +170,46 @@ PYBIND11_MODULE(vision, m) {
            py::kw_only(), py::arg("acquisition_range_m") = LeaderObserverConfig{}.acquisition_range_m,
            py::arg("detector") = TagDetectorConfig{}, py::arg("gates") = TagGates{},
            py::arg("pose") = LeaderPoseConfig{}, py::arg("heading") = HeadingFilterConfig{},
-           py::arg("track") = LeaderTrackConfig{})
-      .def_readwrite("detector", &LeaderObserverConfig::detector)
-      .def_readwrite("gates", &LeaderObserverConfig::gates)
-      .def_readwrite("pose", &LeaderObserverConfig::pose);
+           py::arg("track") = LeaderTrackConfig{},
+           "Parts default to their own defaults. ConfigError names the key of a number out of range.")
+      .def_readwrite("detector", &LeaderObserverConfig::detector, "TagDetectorConfig: how tags are found")
+      .def_readwrite("gates", &LeaderObserverConfig::gates, "TagGates: which of them are believed")
+      .def_readwrite("pose", &LeaderObserverConfig::pose, "LeaderPoseConfig: which poses are believed");
   py::class_<RejectionCounters>(m, "RejectionCounters", "Everything that was turned away since the start.")
-      .def_readonly("frames_invalid", &RejectionCounters::frames_invalid)
-      .def_readonly("hamming", &RejectionCounters::hamming)
-      .def_readonly("margin", &RejectionCounters::margin)
-      .def_readonly("misfit", &RejectionCounters::misfit)
-      .def_readonly("foreign_id", &RejectionCounters::foreign_id)
-      .def_readonly("duplicate_id", &RejectionCounters::duplicate_id)
-      .def_readonly("outside_frame", &RejectionCounters::outside_frame)
-      .def_readonly("too_small", &RejectionCounters::too_small)
-      .def_readonly("too_blurred", &RejectionCounters::too_blurred)
-      .def_readonly("size", &RejectionCounters::size)
-      .def_readonly("behind", &RejectionCounters::behind)
-      .def_readonly("jump", &RejectionCounters::jump)
-      .def_readonly("pose", &RejectionCounters::pose);
+      .def_readonly("frames_invalid", &RejectionCounters::frames_invalid,
+                    "frames that cannot be read or are not of the calibration's size")
+      .def_readonly("hamming", &RejectionCounters::hamming, "tags that read as something else")
+      .def_readonly("margin", &RejectionCounters::margin, "tags with too little contrast")
+      .def_readonly("misfit", &RejectionCounters::misfit, "tags of which something else explains too much")
+      .def_readonly("foreign_id", &RejectionCounters::foreign_id, "tags of the family that the leader does not wear")
+      .def_readonly("duplicate_id", &RejectionCounters::duplicate_id,
+                    "ids seen twice in one picture: none of the two is believed")
+      .def_readonly("outside_frame", &RejectionCounters::outside_frame, "tags partly outside the picture")
+      .def_readonly("too_small", &RejectionCounters::too_small, "tags too small to be read")
+      .def_readonly("too_blurred", &RejectionCounters::too_blurred, "tags too blurred to be believed")
+      .def_readonly("size", &RejectionCounters::size, "tags with a size that they cannot have at any range")
+      .def_readonly("behind", &RejectionCounters::behind, "poses behind the camera, or that show a tag's back")
+      .def_readonly("jump", &RejectionCounters::jump,
+                    "leaders farther from where they were than anything can have moved")
+      .def_readonly("pose", &RejectionCounters::pose, "corners that no credible pose explains");
   py::class_<Sight>(m, "Sight", "What one picture says about the leader: an observation, or the reason why none.")
-      .def_readonly("observation", &Sight::observation)
-      .def_readonly("reason", &Sight::reason);
+      .def_readonly("observation", &Sight::observation, "Observation of this frame, or None")
+      .def_readonly("reason", &Sight::reason, "Reason.none with an observation, else why there is none");
   py::class_<LeaderObserver>(m, "LeaderObserver",
                              "Frame in, Observation out. It follows the leader from frame to frame.")
       .def(py::init<const CameraModel&, const CameraMounting&, const LeaderBody&, const LeaderObserverConfig&>(),
            py::kw_only(), py::arg("camera"), py::arg("mounting") = CameraMounting{}, py::arg("body"),
-           py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"))
-      .def("observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>())
+           py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"),
+           "camera: of the frames; mounting: camera on the coordinator's base; body: the leader's tags. ConfigError if "
+           "any part is not usable.")
+      .def("observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),
+           "The Sight of a Frame. Never raises: a frame that cannot be used, or whose size differs from the "
+           "calibration's, gives the reason. Times come from frame.utime [us].")
       .def("forget", &LeaderObserver::forget, "The next frame is looked at as if nothing had been seen before.")
       .def_property_readonly(
           "rejected", [](const LeaderObserver& observer) { return observer.rejected(); }, "a copy of the counters");
+
+  add_reprs(m, {"Detections", "Appearance", "TagMeasurement", "LeaderObserverConfig", "RejectionCounters", "Sight"});
+  add_repr(m, "TagFamily", {"size", "bits"});
+  add_repr(m, "LeaderPose", {"cMo", "squared_error", "reprojection_error_px", "ambiguity_ratio"});
 }

@@ -22,19 +22,21 @@ namespace pilotfish::base {
 inline constexpr int kBauds[] = {9600,   19200,  38400,  57600,   115200,  230400,
                                  460800, 500000, 921600, 1000000, 2000000, 4000000};
 
+/// The line to the motor controller.
 struct SerialConfig {
   int baud = 115200;
   double timeout_s = 0.25;
   static const std::vector<Parameter<SerialConfig>>& parameters();
 };
 
+/// The wheels' process.
 struct BaseConfig {
   double rate_hz = 50.0;
   bool start_stopped = false;
-  DriveGeometry wheels;
-  WheelLimitsConfig limits;
-  CommandGuardConfig commands;
-  SerialConfig serial;
+  DriveGeometry wheels;         ///< the base's geometry
+  WheelLimitsConfig limits;     ///< what the wheels are allowed
+  CommandGuardConfig commands;  ///< whom to obey, and how long
+  SerialConfig serial;          ///< the line to the motor controller
   static const std::vector<Parameter<BaseConfig>>& parameters();
 
   template <class Visit>
@@ -53,9 +55,9 @@ std::string_view to_string(BaseState state) noexcept;
 
 /// What the wheels are to be told, and why.
 struct BaseOutput {
-  BaseState state = BaseState::waiting;
-  Twist told;              ///< behind every limit; zero unless `driving`
-  std::int64_t obeys = 0;  ///< 0: nobody
+  BaseState state = BaseState::waiting;  ///< what the wheels' process is doing
+  Twist told;                            ///< behind every limit; zero unless `driving`
+  std::int64_t obeys = 0;                ///< 0: nobody
 };
 
 /// Everything that decides what the wheels are told, without a clock, a bus or a line:
@@ -72,17 +74,20 @@ class Base {
   /// Throws ConfigError; call while loading.
   static void check(const BaseConfig& config);
 
+  /// A command that reached this host at `arrived` is heard at `now`.
   CommandVerdict hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept;
+  /// A setpoint, of which only stop and resume concern the wheels.
   LatchVerdict hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept;
   /// The driver can or cannot be reached.
   void driver_works(bool works) noexcept { driver_works_ = works; }
 
+  /// What the wheels are to be told at `now`.
   BaseOutput step(MonotonicTime now) noexcept;
   /// When step() must be asked again at the latest, because a command gets too old.
   std::optional<MonotonicTime> deadline() const noexcept { return guard_.deadline(); }
 
-  bool stopped() const noexcept { return latch_.stopped(); }
-  std::int64_t session() const noexcept { return own_session_; }
+  bool stopped() const noexcept { return latch_.stopped(); }      ///< a stop is latched
+  std::int64_t session() const noexcept { return own_session_; }  ///< of this process; commands name it
   /// What was refused, by name; only what there was.
   std::map<std::string, std::int64_t> rejected() const;
 

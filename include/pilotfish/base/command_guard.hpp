@@ -16,11 +16,11 @@ namespace pilotfish::base {
 
 /// A command as it came off the bus, where its mac has been checked.
 struct CommandHeard {
-  std::int64_t session = 0;
-  std::int64_t counter = 0;
+  std::int64_t session = 0;       ///< the sender's; 0: nobody's
+  std::int64_t counter = 0;       ///< rises within a session
   std::int64_t base_session = 0;  ///< of the wheels' process that the sender has heard
-  Twist twist;
-  bool simulated = false;
+  Twist twist;                    ///< in the robot's base frame
+  bool simulated = false;         ///< never for real wheels
 };
 
 /// What became of a command. Only `obeyed` can move anything.
@@ -40,6 +40,7 @@ inline constexpr int kCommandVerdicts = 10;
 /// "command_replayed", ...: at most 24 letters; "command_obeyed" is counted by nobody.
 std::string_view to_string(CommandVerdict verdict) noexcept;
 
+/// How long a command, and a silent sender, count.
 struct CommandGuardConfig {
   double max_command_age_s = 0.095;
   double takeover_s = 0.5;
@@ -67,7 +68,7 @@ class CommandGuard {
   /// The session that is obeyed at `now`; 0: nobody's.
   std::int64_t obeys(MonotonicTime now) noexcept;
 
-  static constexpr std::size_t kSessions = 1024;
+  static constexpr std::size_t kSessions = 1024;  ///< senders that are remembered
 
  private:
   struct Sender {

@@ -15,6 +15,7 @@ namespace pilotfish::base {
 /// not.
 class ControllerLink {
  public:
+  /// An echo proves for timeout_s that the controller listens.
   explicit ControllerLink(double timeout_s) : timeout_us_(static_cast<std::int64_t>(timeout_s * 1e6)) {}
 
   /// The number for the line that is sent now.
@@ -23,6 +24,7 @@ class ControllerLink {
   void echoed(std::uint16_t sequence) noexcept;
   /// A line sent within timeout_s has been echoed.
   bool alive(MonotonicTime now) const noexcept { return heard_ && now.us - heard_->us <= timeout_us_; }
+  /// Nothing has been echoed; the numbers go on.
   void reset() noexcept { *this = ControllerLink(static_cast<double>(timeout_us_) * 1e-6, sequence_); }
 
  private:

@@ -20,9 +20,10 @@ struct DriveGeometry {
   static const std::vector<Parameter<DriveGeometry>>& parameters();
 };
 
+/// Turn rates of the two wheels; positive: forwards.
 struct WheelSpeeds {
-  double left_radps = 0.0;
-  double right_radps = 0.0;
+  double left_radps = 0.0;   ///< [rad/s]
+  double right_radps = 0.0;  ///< [rad/s]
 };
 
 /// Wheels that roll without slipping, r their radius, b the distance between them. The turning centre is half way
@@ -38,9 +39,9 @@ Twist twist_of(const DriveGeometry& geometry, const WheelSpeeds& speeds) noexcep
 /// What the encoders' counters said at one instant. They wrap around at 32 bits, as a microcontroller's do, and so does
 /// its clock in milliseconds.
 struct EncoderReading {
-  std::uint32_t time_ms = 0;
-  std::int32_t left_ticks = 0;
-  std::int32_t right_ticks = 0;
+  std::uint32_t time_ms = 0;     ///< the controller's clock [ms]
+  std::int32_t left_ticks = 0;   ///< positive: forwards
+  std::int32_t right_ticks = 0;  ///< positive: forwards
 };
 
 /// Where the wheels have rolled to.
@@ -56,8 +57,8 @@ class WheelOdometry {
   /// The next reading is the first one again; the pose stays.
   void forget() noexcept { last_.reset(); }
 
-  const Pose2& pose() const noexcept { return pose_; }
-  std::int64_t jumps() const noexcept { return jumps_; }
+  const Pose2& pose() const noexcept { return pose_; }    ///< since the start, in the odometry frame
+  std::int64_t jumps() const noexcept { return jumps_; }  ///< readings that cannot be motion
 
  private:
   DriveGeometry geometry_;

@@ -29,7 +29,7 @@ std::uint8_t crc8(std::string_view text) noexcept;
 class SetPointLine {
  public:
   SetPointLine(std::uint16_t sequence, const WheelSpeeds& speeds) noexcept;  ///< what is not finite is sent as zero
-  std::string_view text() const noexcept { return {text_.data(), size_}; }
+  std::string_view text() const noexcept { return {text_.data(), size_}; }   ///< with its end; valid while this lives
 
  private:
   std::array<char, kMaxLine + 8> text_{};
@@ -51,13 +51,14 @@ std::string_view first_fault(std::uint16_t faults) noexcept;
 /// "$PFE,<sequence>,<ms>,<left>,<right>,<faults>*HH": what the controller says of the wheels.
 struct ControllerLine {
   std::uint16_t sequence = 0;  ///< of the last good set-point line
-  EncoderReading encoders;
-  std::uint16_t faults = 0;
+  EncoderReading encoders;     ///< what the wheels' counters said
+  std::uint16_t faults = 0;    ///< bits: 1 watchdog, 2 motor, 4 overcurrent, 8 encoder, 16 supply, 32 emergency stop
 };
 
 /// Bytes in, lines out. Never believes a length, never asks for memory.
 class ControllerParser {
  public:
+  /// What was no good line, by reason.
   struct Rejected {
     std::int64_t checksum = 0;   ///< no or a wrong checksum
     std::int64_t malformed = 0;  ///< a right checksum around something that is no line of ours
@@ -69,7 +70,7 @@ class ControllerParser {
   std::optional<ControllerLine> feed(char byte) noexcept;
   /// What was half received is forgotten (the line was opened anew).
   void reset() noexcept;
-  const Rejected& rejected() const noexcept { return rejected_; }
+  const Rejected& rejected() const noexcept { return rejected_; }  ///< since the start
 
  private:
   std::optional<ControllerLine> complete() noexcept;

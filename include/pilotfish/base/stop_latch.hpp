@@ -11,8 +11,8 @@ namespace pilotfish::base {
 /// A setpoint as it came off the bus; only what concerns the wheels.
 struct SetpointHeard {
   std::int64_t session = 0;  ///< of the coordinator it is meant for
-  std::int64_t counter = 0;
-  bool run = false;
+  std::int64_t counter = 0;  ///< rises within a session
+  bool run = false;          ///< false: stop
 };
 
 enum class LatchVerdict {
@@ -31,11 +31,12 @@ std::string_view to_string(LatchVerdict verdict) noexcept;
 /// after it.
 class StopLatch {
  public:
+  /// `stopped`: how it begins.
   explicit StopLatch(bool stopped = false) : stopped_(stopped) {}
 
   /// `obeyed`: the session whose commands are obeyed now; 0: nobody's, and then nobody can resume.
   LatchVerdict hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept;
-  bool stopped() const noexcept { return stopped_; }
+  bool stopped() const noexcept { return stopped_; }  ///< the wheels stand until they are resumed
 
  private:
   bool stopped_;

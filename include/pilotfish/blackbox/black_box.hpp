@@ -14,10 +14,10 @@ namespace pilotfish::blackbox {
 
 /// What is known before the first call.
 struct Start {
-  std::string robot;  ///< channels are ROBOT_STEP, ROBOT_SENT, ROBOT_BOX
-  std::int64_t session = 0;
-  std::string command_line;
-  config::ConfigBundle config;
+  std::string robot;            ///< channels are ROBOT_STEP, ROBOT_SENT, ROBOT_BOX
+  std::int64_t session = 0;     ///< the coordinator's; 0: it has none
+  std::string command_line;     ///< of the program, for people
+  config::ConfigBundle config;  ///< what the coordinator is configured with
 };
 
 /// Since the start.
@@ -51,8 +51,11 @@ class BlackBox {
   /// Each call of the core, right after it, in their order and from the thread that makes them. Of the frame all but
   /// its pixels: picture() and message() keep those.
   void frame(const Frame& frame, MonotonicTime now, const StepResult& result, const Coordinator& core) noexcept;
+  /// Coordinator::set_setpoint(), and what it returned.
   void setpoint(const Setpoint& setpoint, bool taken, const Coordinator& core) noexcept;
+  /// Coordinator::set_own_motion(), and what it returned.
   void own_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
+  /// Coordinator::set_announced_motion(), and what it returned.
   void announced_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
 
   // From any thread.
@@ -66,8 +69,8 @@ class BlackBox {
   /// ROBOT_IMAGE, for people. Encoded by the box's own thread; the pixels are shared, if the frame owns them.
   void picture(const Frame& frame) noexcept;
 
-  Counters counters() const noexcept;
-  std::string trouble() const;  ///< the disk's last refusal, in words; empty if there was none
+  Counters counters() const noexcept;  ///< since the start
+  std::string trouble() const;         ///< the disk's last refusal, in words; empty if there was none
 
  private:
   struct Shared;

@@ -40,7 +40,7 @@ class Bus {
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  const std::string& url() const;
+  const std::string& url() const;  ///< the one in use
   /// What the kernel granted, read back [bytes]; 0 if the provider has no socket. Decides whether images travel raw.
   int receive_buffer_bytes() const;
 
@@ -57,22 +57,26 @@ class Bus {
   void publish(const std::string& robot, const CommandReport& report);
   /// The same command as something that a dying process can still send.
   std::unique_ptr<LastWords> last_words(const std::string& robot, const CommandReport& report);
-  void publish(const std::string& robot, const ObservationReport& report);
-  void publish(const std::string& robot, const StatusReport& report);
-  void publish(const std::string& robot, const PoseReport& report);
-  void publish(const std::string& robot, const MotionReport& report);
-  void publish(const std::string& robot, const BaseReport& report);
-  void publish(const std::string& robot, const SetpointReport& report);
+  void publish(const std::string& robot, const ObservationReport& report);  ///< on NAME_OBSERVATION
+  void publish(const std::string& robot, const StatusReport& report);       ///< on NAME_STATUS
+  void publish(const std::string& robot, const PoseReport& report);         ///< on NAME_POSE
+  void publish(const std::string& robot, const MotionReport& report);       ///< on NAME_MOTION
+  void publish(const std::string& robot, const BaseReport& report);         ///< on NAME_BASE
+  void publish(const std::string& robot, const SetpointReport& report);     ///< on NAME_SETPOINT
   /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
   void publish_image(const std::string& channel, const Frame& frame);
 
   /// Decodes every picture that comes. Who needs only the newest takes on_encoded_image() and decodes that one.
   void on_image(const std::string& channel, std::function<void(Frame)> handler);
+  /// Hands pictures on as they came; see decode().
   void on_encoded_image(const std::string& channel, std::function<void(EncodedImage)> handler);
   /// A stop comes in from anyone (see SetpointReport). The handler asks a SetpointGate.
   void on_setpoint(const std::string& robot, std::function<void(SetpointReport)> handler);
+  /// What comes on NAME_COMMAND.
   void on_command(const std::string& robot, std::function<void(CommandReport)> handler);
+  /// What comes on NAME_STATUS.
   void on_status(const std::string& robot, std::function<void(StatusReport)> handler);
+  /// What comes on NAME_BASE.
   void on_base(const std::string& robot, std::function<void(BaseReport)> handler);
   /// What NAME_POSE says of the robot's speed and turn rate; not where it is.
   void on_pose(const std::string& robot, std::function<void(MotionReport)> handler);

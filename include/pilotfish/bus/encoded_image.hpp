@@ -16,17 +16,18 @@ namespace pilotfish::bus {
 /// A picture as it came: type, sizes, format and time are checked, and not one pixel has been decoded. So whoever
 /// gets more pictures than it can use throws the old ones away for nothing.
 struct EncodedImage {
-  std::int64_t utime = 0;
-  int width = 0;
-  int height = 0;
-  bool is_jpeg = false;
-  MonotonicTime arrival;                                     ///< when its first byte reached this host
+  std::int64_t utime = 0;  ///< exposure time [us], on the clock of whoever took the picture
+  int width = 0;           ///< claimed width [px]
+  int height = 0;          ///< claimed height [px]
+  bool is_jpeg = false;    ///< else raw gray pixels
+  MonotonicTime arrival;   ///< when its first byte reached this host
   std::shared_ptr<const std::vector<std::uint8_t>> message;  ///< bot_core.image_t
 };
 
+/// What a picture must measure.
 struct ImageSize {
-  int width = 0;
-  int height = 0;
+  int width = 0;   ///< [px]
+  int height = 0;  ///< [px]
 };
 
 /// The picture in gray; raw gray shares the message's bytes. Nothing, and why not, if it is damaged (image_corrupt,

@@ -14,14 +14,15 @@ namespace pilotfish::bus {
 /// What commands and setpoints are authenticated with, shared by all who may speak. Wiped when it goes.
 class Key {
  public:
-  static constexpr std::size_t kBytes = 32;
+  static constexpr std::size_t kBytes = 32;  ///< length of a key
 
+  /// A key of these bytes; load_key() reads one from a file.
   explicit Key(const std::array<std::uint8_t, kBytes>& bytes) : bytes_(bytes) {}
-  Key(const Key&) = default;
-  Key& operator=(const Key&) = default;
+  Key(const Key&) = default;             ///< copied and wiped like the original
+  Key& operator=(const Key&) = default;  ///< copied and wiped like the original
   ~Key();
 
-  const std::array<std::uint8_t, kBytes>& bytes() const { return bytes_; }
+  const std::array<std::uint8_t, kBytes>& bytes() const { return bytes_; }  ///< the secret: never to be logged
 
  private:
   std::array<std::uint8_t, kBytes> bytes_;

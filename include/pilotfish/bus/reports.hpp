@@ -18,23 +18,23 @@ namespace pilotfish::bus {
 
 /// pilotfish.command_t, out and in.
 struct CommandReport {
-  std::int64_t utime = 0;         ///< exposure of the image it answers; of the last one, when none came
-  std::int64_t session = 0;       ///< the sender's (new_session_id()); 0: nobody obeys it
-  std::int64_t counter = 0;       ///< one more with every command sent in this session
-  std::int64_t base_session = 0;  ///< of the wheels' process that the sender has heard; 0: none
-  Twist command;
-  bool simulated = false;  ///< never for real wheels
-  Status status = Status::searching;
-  Reason reason = Reason::none;
+  std::int64_t utime = 0;             ///< exposure of the image it answers; of the last one, when none came
+  std::int64_t session = 0;           ///< the sender's (new_session_id()); 0: nobody obeys it
+  std::int64_t counter = 0;           ///< one more with every command sent in this session
+  std::int64_t base_session = 0;      ///< of the wheels' process that the sender has heard; 0: none
+  Twist command;                      ///< Twist for the wheels, in the robot's base frame
+  bool simulated = false;             ///< never for real wheels
+  Status status = Status::searching;  ///< Status of the coordinator
+  Reason reason = Reason::none;       ///< Reason for the status
 };
 
 /// pilotfish.setpoint_t, out and in; SetpointGate decides what it is worth. A stop without a right MAC, or with numbers
 /// that cannot be right, comes in as a bare stop: session and counter 0.
 struct SetpointReport {
-  std::int64_t utime = 0;
+  std::int64_t utime = 0;    ///< when it was sent [us]
   std::int64_t session = 0;  ///< of the coordinator it is meant for
   std::int64_t counter = 0;  ///< higher than every one that this session has accepted
-  Setpoint setpoint;
+  Setpoint setpoint;         ///< Setpoint to keep
 };
 
 /// Refusals by reason. Names have at most 24 letters.
@@ -42,25 +42,26 @@ using Counters = std::map<std::string, std::int64_t>;
 
 /// pilotfish.base_t, out and in.
 struct BaseReport {
+  /// What the wheels' process is doing: base_t's STATE_ numbers.
   enum class State { waiting, driving, stopped, fault };
-  std::int64_t utime = 0;
-  std::int64_t session = 0;  ///< of the wheels' process; commands name it
-  std::int64_t counter = 0;
-  std::int64_t obeys = 0;  ///< the session whose commands are obeyed; 0: nobody's
-  Twist command;           ///< what the wheels are told, after every limit
-  std::optional<Twist> measured;
-  bool stopped = false;  ///< latched
-  State state = State::waiting;
-  std::string text;   ///< for people; at most 80 letters travel
-  Counters rejected;  ///< at most 16 travel
+  std::int64_t utime = 0;         ///< when it was sent [us]
+  std::int64_t session = 0;       ///< of the wheels' process; commands name it
+  std::int64_t counter = 0;       ///< one more with every report of this session
+  std::int64_t obeys = 0;         ///< the session whose commands are obeyed; 0: nobody's
+  Twist command;                  ///< what the wheels are told, after every limit
+  std::optional<Twist> measured;  ///< Twist that the wheels did, from their encoders; nothing if nobody measures
+  bool stopped = false;           ///< latched
+  State state = State::waiting;   ///< what the wheels' process is doing
+  std::string text;               ///< for people; at most 80 letters travel
+  Counters rejected;              ///< at most 16 travel
 };
 
 /// What goes out as pilotfish.observation_t.
 struct ObservationReport {
-  std::int64_t utime = 0;
-  std::optional<Observation> observation;
-  Reason reason = Reason::none;
-  double latency_s = 0.0;  ///< from the frame's arrival to this message
+  std::int64_t utime = 0;                  ///< exposure of the frame [us]
+  std::optional<Observation> observation;  ///< Observation of that frame, or nothing
+  Reason reason = Reason::none;            ///< why there is no observation; Reason.none if there is
+  double latency_s = 0.0;                  ///< from the frame's arrival to this message
 };
 
 inline constexpr std::size_t kStatusRules = 56;
@@ -70,46 +71,50 @@ struct StageReport {
   std::string name;  ///< at most 12 letters
   /// how often less than 0.25, 0.5, 1, ... 128 ms (and not less than the one before), or longer
   std::array<std::int32_t, 11> counts{};
-  double max_ms = 0.0;
+  double max_ms = 0.0;  ///< the longest time [ms]
 };
 
 /// pilotfish.status_t, out and in.
 struct StatusReport {
-  std::int64_t utime = 0;
-  Status status = Status::searching;
-  Reason reason = Reason::none;
+  std::int64_t utime = 0;             ///< exposure [us] of the image this answers
+  Status status = Status::searching;  ///< what the coordinator is doing
+  Reason reason = Reason::none;       ///< Reason for the status
+  /// E = d_p - d [m], positive: too close; and ec, its change over one control period.
   double error_m = 0.0, error_change_m = 0.0;
   double output = 0.0;  ///< u of the fuzzy law, normalised
+  /// Of the rules, in [0, 1], row by row.
   std::array<double, kStatusRules> strengths{};
   std::int64_t session = 0;           ///< the coordinator's
   std::int64_t setpoint_counter = 0;  ///< of the last setpoint accepted in this session
-  Setpoint setpoint;
-  double trust = 0.0;  ///< share of the feed-forward in the command
+  Setpoint setpoint;                  ///< Setpoint that is kept
+  double trust = 0.0;                 ///< share of the feed-forward in the command
+  /// The leader's own speed along the line of sight, across it (to the left), and its turn rate.
   double leader_radial_mps = 0.0, leader_tangential_mps = 0.0, leader_turn_rate_radps = 0.0;
-  std::int8_t own_motion = 0;    ///< status_t's OWN_MOTION_ numbers
-  std::int8_t announcement = 0;  ///< status_t's ANNOUNCEMENT_ numbers
-  double frame_rate_hz = 0.0;
-  double processing_ms = 0.0;
+  std::int8_t own_motion = 0;          ///< status_t's OWN_MOTION_ numbers
+  std::int8_t announcement = 0;        ///< status_t's ANNOUNCEMENT_ numbers
+  double frame_rate_hz = 0.0;          ///< rate at which frames come [Hz]
+  double processing_ms = 0.0;          ///< time spent on this frame [ms]
   double latency_s = 0.0;              ///< to the command, over the last frames
   bool latency_from_exposure = false;  ///< else from the frame's arrival
-  double configured_latency_s = 0.0;
-  std::int64_t missed_deadlines = 0;  ///< commands that left later than they were due
-  std::int64_t clock_epochs = 0;      ///< how often the clock of the images was set
-  std::vector<StageReport> stages;    ///< at most 6 travel
-  Counters rejected;                  ///< as many as fit travel with one message, and the others with the next
+  double configured_latency_s = 0.0;   ///< what control.drive.latency_s says [s]
+  std::int64_t missed_deadlines = 0;   ///< commands that left later than they were due
+  std::int64_t clock_epochs = 0;       ///< how often the clock of the images was set
+  std::vector<StageReport> stages;     ///< at most 6 travel
+  Counters rejected;                   ///< as many as fit travel with one message, and the others with the next
 };
 
 /// A robot's true pose in the world: bot_core.pose_t.
 struct PoseReport {
-  std::int64_t utime = 0;
+  std::int64_t utime = 0;  ///< time of the pose [us]
+  /// In the world frame [m], [rad].
   double x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
-  Twist velocity;
+  Twist velocity;  ///< Twist in the robot's base frame
 };
 
 /// A robot's twist at a time: out and in as pilotfish.motion_t, in as what bot_core.pose_t says of it.
 struct MotionReport {
-  std::int64_t utime = 0;
-  Twist twist;
+  std::int64_t utime = 0;  ///< time of the twist [us]
+  Twist twist;             ///< Twist in the robot's base frame
 };
 
 }  // namespace pilotfish::bus

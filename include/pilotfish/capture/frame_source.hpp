@@ -35,7 +35,7 @@ class FrameSource {
   /// Why there will be no more frames, as a line for the log; empty while there may be. A live source that has ended
   /// (pulled out, silent for seconds) can only be opened anew.
   virtual std::string why_ended() const = 0;
-  bool ended() const { return !why_ended().empty(); }
+  bool ended() const { return !why_ended().empty(); }  ///< there will be no more frames
   /// Frames come whether or not anyone asks for them: use the newest. Otherwise every frame matters.
   virtual bool live() const = 0;
   /// One line for the log, e.g. "images in data/run1 (300 pictures, 30 Hz)".

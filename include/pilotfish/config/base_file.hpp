@@ -12,13 +12,14 @@ namespace pilotfish::config {
 
 /// What turns the wheels.
 struct WheelDriver {
+  /// What there is to turn the wheels.
   enum class Kind {
     dry_run,    ///< nothing: what the wheels would be told is only published
     simulator,  ///< pilotfish-sim, which listens to NAME_BASE
     serial,     ///< a motor controller on a serial line
   };
-  Kind kind = Kind::dry_run;
-  std::string device;  ///< of serial, e.g. /dev/ttyUSB0
+  Kind kind = Kind::dry_run;  ///< which of them
+  std::string device;         ///< of serial, e.g. /dev/ttyUSB0
 };
 /// "dry_run", "simulator" or "serial:/dev/ttyUSB0". Throws ConfigError (key "driver") listing them.
 WheelDriver driver_from(const std::string& text);
@@ -26,9 +27,9 @@ WheelDriver driver_from(const std::string& text);
 /// What `pilotfish-base --config` reads.
 struct BaseFile {
   std::string name = "robot1";  ///< the robot's name on the bus
-  WheelDriver driver;
-  std::string key_file;  ///< for bus::load_key(); empty: commands and setpoints are not authenticated
-  base::BaseConfig base;
+  WheelDriver driver;           ///< what turns the wheels
+  std::string key_file;         ///< for bus::load_key(); empty: commands and setpoints are not authenticated
+  base::BaseConfig base;        ///< limits, wheels, guards
 };
 /// Throws ConfigError naming the key.
 BaseFile load_base(const std::filesystem::path& file);

@@ -13,12 +13,14 @@ namespace pilotfish::config {
 
 /// What the command line said instead of the configuration, as far as the core can tell.
 struct ConfigOverrides {
+  /// Names; empty: as configured.
   std::optional<std::string> law, profile, tuning;  ///< tuning: a file
 };
 /// Throws ConfigError; also if the tuning is for another law than the one that will drive.
 void apply(const ConfigOverrides& overrides, control::FollowerConfig& config);
 void apply(const ConfigOverrides& overrides, CoordinatorFile& file);
 
+/// A file that a coordinator was configured with.
 struct ConfigText {
   std::string role;  ///< the key that names the file: config, camera.calibration, leader, fuzzy, tuning; --tuning
   std::string name;  ///< where it was
@@ -27,8 +29,8 @@ struct ConfigText {
 
 /// Everything a coordinator is configured with, as texts: from it the same coordinator can be made anywhere.
 struct ConfigBundle {
-  std::vector<ConfigText> files;
-  ConfigOverrides overrides;
+  std::vector<ConfigText> files;  ///< list of ConfigText, a copy
+  ConfigOverrides overrides;      ///< ConfigOverrides of the command line
 };
 
 /// Of a configuration that load_coordinator() takes. Throws ConfigError.

@@ -57,14 +57,14 @@ struct BlackBoxConfig {
 
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
 struct CoordinatorFile {
-  std::string name = "robot1";  ///< the robot's name on the bus
-  std::string source = "lcm";   ///< where frames come from, unless --source says otherwise
-  Odometry odometry = Odometry::none;
-  std::string announcements_from;  ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
-  std::string key_file;            ///< for bus::load_key(); empty: commands and setpoints are not authenticated
-  double frame_rate_hz = 30.0;     ///< expected of the source; 1/T of the law unless control_period_s says otherwise
-  BlackBoxConfig black_box;
-  CoordinatorConfig coordinator;
+  std::string name = "robot1";         ///< the robot's name on the bus
+  std::string source = "lcm";          ///< where frames come from, unless --source says otherwise
+  Odometry odometry = Odometry::none;  ///< where the own twist is measured
+  std::string announcements_from;      ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
+  std::string key_file;                ///< for bus::load_key(); empty: commands and setpoints are not authenticated
+  double frame_rate_hz = 30.0;    ///< expected of the source; 1/T of the law unless control_period_s says otherwise
+  BlackBoxConfig black_box;       ///< where and how much is recorded
+  CoordinatorConfig coordinator;  ///< what Coordinator() takes
 };
 /// Throws ConfigError naming the key.
 CoordinatorFile load_coordinator(const std::filesystem::path& file);

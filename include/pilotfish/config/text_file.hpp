@@ -15,8 +15,8 @@ inline constexpr std::size_t kMaxTextBytes = 256 * 1024;
 
 /// A text, and where it came from: for messages, and because files it names are relative to it.
 struct TextFile {
-  std::filesystem::path path;
-  std::string text;
+  std::filesystem::path path;  ///< where it was read
+  std::string text;            ///< what it says
 };
 
 /// The only way in which this room reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError

@@ -27,6 +27,7 @@ class YamlSection {
   /// Throws ConfigError (key "file") if it is not a mapping.
   static YamlSection parse(const TextFile& file);
 
+  /// `path`: the section's dotted key; `file`: for messages.
   YamlSection(const YAML::Node& node, std::string path, std::filesystem::path file);
 
   /// An angle `x_rad` may stand there as `x_deg`: ask for has_angle("x_rad").
@@ -34,12 +35,15 @@ class YamlSection {
   std::vector<std::string> keys() const;  ///< those there are, in the file's order, for mappings with names as keys
   /// has(key), and key is known from now on: finish() lists it and does not complain about it.
   bool optional(const std::string& key);
+  /// Whether the key is there, in radians or in degrees.
   bool has_angle(const std::string& key_rad) const { return has(key_rad) || has(degrees_key(key_rad)); }
+  /// A number within bounds; throws ConfigError.
   double number(const std::string& key, double min, double max);
   double angle(const std::string& key_rad, double min_rad, double max_rad);  ///< key_rad ends in _rad; _deg accepted
+  /// A whole number within bounds; throws ConfigError.
   int integer(const std::string& key, int min, int max);
-  bool boolean(const std::string& key);
-  std::string text(const std::string& key);
+  bool boolean(const std::string& key);                       ///< true or false; throws ConfigError
+  std::string text(const std::string& key);                   ///< throws ConfigError if it is none
   std::vector<double> numbers(const std::string& key);        ///< a list of numbers of any length; inf and NaN pass
   std::filesystem::path file_path(const std::string& key);    ///< relative to the file this section was read from
   TextFile file(const std::string& key);                      ///< the file that stands there, read
@@ -102,7 +106,7 @@ class YamlSection {
 
   /// For errors that only the reader can see: ConfigError with this section's path before the key.
   ConfigError error(const std::string& key, const std::string& problem) const;
-  const std::filesystem::path& file() const { return file_; }
+  const std::filesystem::path& file() const { return file_; }  ///< from which it was read
 
  private:
   static bool is_angle(const std::string& key);

@@ -47,12 +47,12 @@ std::string_view to_string(AnnouncementUse use) noexcept;
 /// Nothing announced enters the estimate of vision, so that this stays the judge, and a lie leaves no trace in it.
 class AnnouncedMotion {
  public:
-  explicit AnnouncedMotion(const AnnouncementConfig& config) : config_(config) {}
+  explicit AnnouncedMotion(const AnnouncementConfig& config) : config_(config) {}  ///< nothing heard yet
 
   /// False, and nothing changes, unless it is finite, of this world and newer than the last.
   bool announce(std::int64_t utime, const Twist& twist) noexcept;
 
-  bool heard() const { return !heard_.empty(); }
+  bool heard() const { return !heard_.empty(); }  ///< anything has been announced
 
   /// Once a frame, with the leader as vision alone has it at that frame's time, seen from `own`.
   AnnouncementUse judge(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept;

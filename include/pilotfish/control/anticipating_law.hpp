@@ -27,13 +27,13 @@ struct AnticipateConfig {
 
 /// Bearings at which the leader is in the picture; from the camera and its mounting.
 struct FieldOfView {
-  double right_rad = -3.14159265358979323846;
-  double left_rad = 3.14159265358979323846;
+  double right_rad = -3.14159265358979323846;  ///< the picture's right edge [rad], negative ahead
+  double left_rad = 3.14159265358979323846;    ///< the picture's left edge [rad], positive ahead
 };
 
 /// What the drive can do about it: limits, and how long it takes until it begins.
 struct Reaction {
-  LimitsConfig limits;
+  LimitsConfig limits;   ///< what the drive can do
   double delay_s = 0.0;  ///< latency and lag together
 };
 
@@ -43,7 +43,7 @@ double trust(const AnticipateConfig& config, const LeaderMotion& leader) noexcep
 /// The wanted twist for the leader as predicted for the moment at which the command has taken effect; `own` is the
 /// twist of the robot at that moment if nothing changed. Not yet limited.
 struct Anticipation {
-  Twist wanted;
+  Twist wanted;              ///< Twist that the law wants; not yet limited
   VelocityCommand velocity;  ///< the fuzzy law on the predicted error
 };
 Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocityConfig& paper,

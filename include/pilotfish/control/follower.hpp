@@ -33,19 +33,20 @@ std::string_view to_string(Profile profile) noexcept;
 /// Throws ConfigError listing the profiles.
 Profile profile_from(std::string_view name);
 
+/// Everything a Follower needs.
 struct FollowerConfig {
-  Profile profile = Profile::anticipate;
-  fuzzy::Controller law;  ///< the fuzzy one; may be left empty where another law drives
-  FuzzyVelocityConfig velocity;
-  HeadingControllerConfig heading;
-  LimitsConfig limits;
-  AnticipateConfig anticipate;
-  LeaderMotionConfig leader_motion;
-  DriveModelConfig drive;
-  std::string active_law = kFuzzyLaw;  ///< or the name of one of `laws`
-  std::vector<LawDescription> laws = built_in_laws();
-  FieldOfView view;  ///< of the camera, for the guard of `anticipate`
-  AnnouncementConfig announcement;
+  Profile profile = Profile::anticipate;               ///< how the fuzzy law drives
+  fuzzy::Controller law;                               ///< the fuzzy one; may be left empty where another law drives
+  FuzzyVelocityConfig velocity;                        ///< of the paper's law
+  HeadingControllerConfig heading;                     ///< of the paper's law
+  LimitsConfig limits;                                 ///< of every command
+  AnticipateConfig anticipate;                         ///< of profile `anticipate`
+  LeaderMotionConfig leader_motion;                    ///< how leaders move
+  DriveModelConfig drive;                              ///< how late the wheels are
+  std::string active_law = kFuzzyLaw;                  ///< or the name of one of `laws`
+  std::vector<LawDescription> laws = built_in_laws();  ///< what may drive instead of the fuzzy law
+  FieldOfView view;                                    ///< of the camera, for the guard of `anticipate`
+  AnnouncementConfig announcement;                     ///< how much a leader's own word counts
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp; those of `laws` come besides
@@ -67,6 +68,7 @@ void set_active_law(FollowerConfig& config, const std::string& name);
 /// Whether a section of the configuration's `control` has an effect on what drives: `pid` has none on the fuzzy law.
 bool uses_section(const FollowerConfig& config, std::string_view section) noexcept;
 
+/// What a Follower answers, and how it came to it.
 struct FollowerOutput {
   Twist command;  ///< within the limits
   /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. Another law does not
@@ -75,8 +77,8 @@ struct FollowerOutput {
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
   std::optional<LeaderMotion> leader;
   double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
-  OwnMotionSource own_motion = OwnMotionSource::commanded;
-  AnnouncementUse announcement = AnnouncementUse::silent;
+  OwnMotionSource own_motion = OwnMotionSource::commanded;  ///< where the own motion was taken from
+  AnnouncementUse announcement = AnnouncementUse::silent;   ///< what the leader's word was worth
 };
 
 /// The way into this room: Observation in, Twist out. Time comes from the observations.
@@ -91,11 +93,13 @@ class Follower {
   /// Throws ConfigError if any parameter is out of range.
   explicit Follower(FollowerConfig config);
 
+  /// One measurement, one command. Time comes from the observations.
   FollowerOutput follow(const Observation& observation, const Setpoint& setpoint);
 
   /// What odometry measured of this robot, and what the leader says of itself; times as those of the observations.
   /// False, and nothing changes, if it cannot be used. Never needed; profile `anticipate` alone listens.
   bool set_own_motion(std::int64_t utime, const Twist& twist) noexcept { return own_.measured(utime, twist); }
+  /// The leader's own word; as set_own_motion().
   bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept {
     return announced_.announce(utime, twist);
   }

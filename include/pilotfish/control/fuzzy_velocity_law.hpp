@@ -21,10 +21,10 @@ struct FuzzyVelocityConfig {
 
 /// One evaluation with all it went through, for the status message and for people.
 struct VelocityCommand {
-  double linear_mps = 0.0;
+  double linear_mps = 0.0;      ///< forward speed the law wants [m/s]
   double error_m = 0.0;         ///< e(t) = d_p - d(t); positive: too close
   double error_change_m = 0.0;  ///< ec(t), referred to one control period
-  fuzzy::Inference inference;
+  fuzzy::Inference inference;   ///< output u* in [-1, 1] and the strengths of the 56 rules
 };
 
 /// The paper's law. e(t) = d_p - d(t), ec(t) = e(t) - e(t-1) per control period T. Frames do not come exactly every T,

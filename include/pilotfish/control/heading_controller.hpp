@@ -6,6 +6,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
+/// The proportional heading controller.
 struct HeadingControllerConfig {
   double gain_per_s = 2.0;  ///< turn rate per radian of bearing error
   static const std::vector<Parameter<HeadingControllerConfig>>& parameters();

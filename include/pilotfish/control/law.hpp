@@ -29,22 +29,24 @@ class Law {
   virtual void restart() noexcept {}
   /// What it remembers between two calls, for recordings that are replayed from their middle (core/checkpoint.hpp).
   virtual void remember(CheckpointWriter&) const {}
-  virtual void remember(CheckpointReader&) {}
+  virtual void remember(CheckpointReader&) {}  ///< as it was written
 };
 
-/// A number in the configuration's section control.<name of the law>.
+/// A number in the configuration's section control.NAME of the law NAME.
 struct LawParameter {
-  std::string key;  ///< carries the unit
-  double value = 0.0;
+  std::string key;     ///< carries the unit
+  double value = 0.0;  ///< the value, in the key's unit
+  /// Both inclusive.
   double min = 0.0, max = 0.0;  ///< inclusive
   std::string text;             ///< one sentence for the documentation
 };
 
 /// A law as the configuration, the command line, the documentation and Python know it.
 struct LawDescription {
-  std::string name;  ///< one word, as in `law: pid`
-  std::string text;  ///< one line for lists
-  std::vector<LawParameter> parameters;
+  std::string name;                      ///< one word, as in `law: pid`
+  std::string text;                      ///< one line for lists
+  std::vector<LawParameter> parameters;  ///< list of LawParameter, a copy
+  /// Makes the law from the values of its parameters, in their order, and the limits.
   std::function<std::unique_ptr<Law>(const std::vector<LawParameter>&, const LimitsConfig&)> make;
 };
 

@@ -34,8 +34,9 @@ using LeaderMatrix = Eigen::Matrix<double, 6, 6>;
 /// velocity is a vector of its own, not speed times heading: so a tag that is glued on crooked by a degree, or a leader
 /// that drives backwards, is nothing special. The heading counts on beyond pi.
 struct LeaderEstimate {
-  LeaderVector mean = LeaderVector::Zero();
-  LeaderMatrix covariance = LeaderMatrix::Zero();
+  LeaderVector mean = LeaderVector::Zero();        ///< m, m/s, rad, rad/s
+  LeaderMatrix covariance = LeaderMatrix::Zero();  ///< of the mean
+  /// See core/checkpoint.hpp.
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {
     archive(self.mean, self.covariance);
@@ -52,6 +53,7 @@ LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_si
 /// noise on to the wheels. No allocation, nothing throws.
 class LeaderMotionEstimator {
  public:
+  /// What an update led to.
   enum class Outcome {
     started,
     updated,
@@ -61,14 +63,15 @@ class LeaderMotionEstimator {
     unusable
   };
 
+  /// Knows of no leader yet.
   explicit LeaderMotionEstimator(const LeaderMotionConfig& config) : config_(config) {}
 
   /// One measurement, taken when the coordinator was at `own` (in its odometry frame), with its own covariance. A
   /// covariance or a number that is not finite is `unusable` and changes nothing.
   Outcome update(const Observation& observation, const Pose2& own) noexcept;
-  void reset() noexcept { started_ = false; }
+  void reset() noexcept { started_ = false; }  ///< forgets the leader
 
-  bool started() const { return started_; }
+  bool started() const { return started_; }      ///< there is an estimate
   std::int64_t utime() const { return utime_; }  ///< of the last update
   /// At `utime`, not before the last update. Only if started().
   LeaderEstimate at(std::int64_t utime) const noexcept;
@@ -100,10 +103,12 @@ class LeaderMotionEstimator {
 
 /// The leader as seen from a pose of the coordinator: what the law works on.
 struct LeaderMotion {
+  /// Of the leader's base origin, and its heading relative to the coordinator's.
   double distance_m = 0.0, bearing_rad = 0.0, heading_rad = 0.0;
-  double radial_mps = 0.0;      ///< the leader's own velocity along the line of sight, away from the coordinator
-  double tangential_mps = 0.0;  ///< and across it, to the left
-  double turn_rate_radps = 0.0;
+  double radial_mps = 0.0;       ///< the leader's own velocity along the line of sight, away from the coordinator
+  double tangential_mps = 0.0;   ///< and across it, to the left
+  double turn_rate_radps = 0.0;  ///< the leader's own turn rate [rad/s], positive: to the left
+  /// Standard deviations of the three.
   double distance_sigma_m = 0.0, radial_sigma_mps = 0.0, tangential_sigma_mps = 0.0;
 };
 LeaderMotion seen_from(const Pose2& own, const LeaderEstimate& leader) noexcept;

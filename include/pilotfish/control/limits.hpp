@@ -7,6 +7,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
+/// Limits on speed, turn rate and their change.
 struct LimitsConfig {
   double max_linear_mps = 0.6;
   double max_reverse_mps = 0.3;  ///< speed allowed backwards, as a positive number; 0 forbids reversing

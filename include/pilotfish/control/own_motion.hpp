@@ -40,6 +40,7 @@ std::string_view to_string(OwnMotionSource source) noexcept;
 /// A value: copy it to look ahead. No allocation.
 class OwnMotion {
  public:
+  /// At rest, where the odometry frame begins.
   OwnMotion(const DriveModelConfig& drive, const LimitsConfig& limits);
 
   /// From acts_utime on the wheels are told this; commands come in the order in which they act.
@@ -53,8 +54,8 @@ class OwnMotion {
   /// The odometry frame begins anew, here.
   void set_origin() noexcept { pose_ = Pose2{}; }
 
-  std::int64_t utime() const { return utime_; }
-  const Pose2& pose() const { return pose_; }
+  std::int64_t utime() const { return utime_; }  ///< the present [us]
+  const Pose2& pose() const { return pose_; }    ///< in the odometry frame
   /// The real one, behind the commands.
   Twist twist() const {
     return {twist_.linear_mps + model_error_.linear_mps, twist_.angular_radps + model_error_.angular_radps};

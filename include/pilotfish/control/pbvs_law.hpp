@@ -27,6 +27,7 @@ struct PbvsConfig {
 /// laws. In builds with the component `visp` only.
 class PbvsLaw final : public Law {
  public:
+  /// Within these limits.
   PbvsLaw(const PbvsConfig& config, const LimitsConfig& limits);
   ~PbvsLaw() override;
 

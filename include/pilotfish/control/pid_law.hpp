@@ -28,6 +28,7 @@ struct PidConfig {
 /// Control, 3.5).
 class PidLaw final : public Law {
  public:
+  /// Within these limits.
   PidLaw(const PidConfig& config, const LimitsConfig& limits) : config_(config), limits_(limits) {}
 
   /// The wanted twist, not yet limited in acceleration; dt_s since the last call.
@@ -35,7 +36,7 @@ class PidLaw final : public Law {
   void restart() noexcept override { distance_ = bearing_ = Axis{}; }
 
   void remember(CheckpointWriter& archive) const override { archive(distance_, bearing_); }
-  void remember(CheckpointReader& archive) override { archive(distance_, bearing_); }
+  void remember(CheckpointReader& archive) override { archive(distance_, bearing_); }  ///< as it was written
 
  private:
   struct Axis {

@@ -19,6 +19,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
+/// What must never happen, in numbers.
 struct SafetyConfig {
   double max_age_s = 0.1;         ///< a measurement older than this moves nothing: then v = w = 0
   double stop_distance_m = 0.4;   ///< no setpoint below this is taken: there the two robots would touch
@@ -35,13 +36,13 @@ inline constexpr double kMinFramesPerMaxAge = 1.2;
 
 /// Everything a coordinator needs to know; see data/config/coordinator.yaml.
 struct CoordinatorConfig {
-  CameraModel camera;
-  CameraMounting mounting;
-  LeaderBody leader;
-  vision::LeaderObserverConfig vision;
-  control::FollowerConfig control;
-  SafetyConfig safety;
-  Setpoint setpoint;
+  CameraModel camera;                   ///< size and lens of the coordinator's camera
+  CameraMounting mounting;              ///< where it sits on the coordinator
+  LeaderBody leader;                    ///< the tags to follow
+  vision::LeaderObserverConfig vision;  ///< how the leader is seen
+  control::FollowerConfig control;      ///< how it is followed
+  SafetyConfig safety;                  ///< what must never happen
+  Setpoint setpoint;                    ///< what to keep at first
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp; camera and leader are files of their own
@@ -55,9 +56,9 @@ struct CoordinatorConfig {
 
 /// What one frame led to: status and reason, the measurement, the law's inner life, the command.
 struct StepResult {
-  std::int64_t utime = 0;  ///< exposure of the frame this answers [us]
-  Status status = Status::searching;
-  Reason reason = Reason::none;
+  std::int64_t utime = 0;                          ///< exposure of the frame this answers [us]
+  Status status = Status::searching;               ///< Status of the coordinator
+  Reason reason = Reason::none;                    ///< Reason for the status
   std::optional<Observation> observation;          ///< only when measured in this very frame
   std::optional<control::FollowerOutput> control;  ///< only when the law ran in this very frame
   Twist command;                                   ///< what the wheels should do now
@@ -108,17 +109,19 @@ class Coordinator {
   /// False, and the old one stays, if a number is out of range, not finite, or asks for less than the stop distance. A
   /// stop is always taken: then only `run` changes if the rest cannot be used.
   bool set_setpoint(const Setpoint& setpoint) noexcept;
-  const Setpoint& setpoint() const { return setpoint_; }
+  const Setpoint& setpoint() const { return setpoint_; }  ///< what is kept
 
   /// Optional, at any rate, between frames: the own twist as odometry measured it, and the twist the leader announces
   /// of itself. utime is on the frames' clock. False, and nothing changes, if it cannot be used: not finite, too fast,
   /// not newer than the last, more than kOtherClock_s away from the last frame, or no frame yet. Neither moves the
   /// robot; see control::OwnMotion and control::AnnouncedMotion.
   bool set_own_motion(std::int64_t utime, const Twist& twist) noexcept;
+  /// The leader's own word; see set_own_motion().
   bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept;
-  static constexpr double kOtherClock_s = 1.0;
+  static constexpr double kOtherClock_s = 1.0;  ///< farther from the last frame is another clock
+  /// By the observer, since the start
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
-  std::int64_t whole_picture_searches() const { return observer_.whole_picture_searches(); }
+  std::int64_t whole_picture_searches() const { return observer_.whole_picture_searches(); }  ///< since the start
 
   /// What it remembers, bit for bit, apart from its configuration: another one of the same configuration that is given
   /// this goes on exactly as this one would. For recordings that are replayed from their middle; no copy of the object,

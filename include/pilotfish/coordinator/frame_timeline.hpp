@@ -48,12 +48,13 @@ struct StampVerdict {
 /// strictly.
 class FrameTimeline {
  public:
+  /// A measurement is too old after max_age_us.
   explicit FrameTimeline(std::int64_t max_age_us) : max_age_us_(max_age_us) {}
 
   /// known_age_us: Frame::known_age_us. now: the frame's arrival, not before any earlier one.
   StampVerdict judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
 
-  std::optional<std::int64_t> last_utime() const;
+  std::optional<std::int64_t> last_utime() const;  ///< of the last frame in order [us]
   std::int64_t epochs() const { return epochs_; }  ///< how often a new one began after the first
 
   template <class Self, class Archive>
@@ -63,16 +64,16 @@ class FrameTimeline {
             self.proofs_since_);
   }
 
-  static constexpr int kFramesToAgree = 5;
-  static constexpr double kAhead_us = 50'000.0;
-  static constexpr double kAgree_us = 25'000.0;
-  static constexpr std::size_t kNumbering = 4;  ///< frames of the old numbering that are remembered
-  static constexpr int kProofs = 3;
-  static constexpr double kRunGap_us = 1'000'000.0;  ///< two frames of a run are not farther apart
-  static constexpr double kSilence_us = 1'000'000.0;
-  static constexpr int kQuickFrames = 3;
-  static constexpr double kQuickWithin_us = 1'000'000.0;
-  static constexpr double kQuickAgainAfter_us = 10'000'000.0;
+  static constexpr int kFramesToAgree = 5;                     ///< so many begin a new epoch
+  static constexpr double kAhead_us = 50'000.0;                ///< a stamp so far ahead is of the future
+  static constexpr double kAgree_us = 25'000.0;                ///< two clocks agree to this
+  static constexpr std::size_t kNumbering = 4;                 ///< frames of the old numbering that are remembered
+  static constexpr int kProofs = 3;                            ///< known ages that end an unknown epoch
+  static constexpr double kRunGap_us = 1'000'000.0;            ///< two frames of a run are not farther apart
+  static constexpr double kSilence_us = 1'000'000.0;           ///< of the old epoch, before a new one begins
+  static constexpr int kQuickFrames = 3;                       ///< so many prove that the anchor was late
+  static constexpr double kQuickWithin_us = 1'000'000.0;       ///< in which these must come
+  static constexpr double kQuickAgainAfter_us = 10'000'000.0;  ///< from one such epoch to the next
   /// A known age beyond this, in either direction, is that of a clock that was never set to ours, or of a recording: it
   /// is looked at only where an epoch begins.
   static constexpr double kSharedClock_us = 10'000'000.0;

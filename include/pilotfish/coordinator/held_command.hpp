@@ -12,16 +12,17 @@ namespace pilotfish {
 
 /// What holds at some instant between two frames.
 struct HeldAnswer {
-  Status status = Status::searching;
-  Reason reason = Reason::none;
-  Twist command;
+  Status status = Status::searching;  ///< what the coordinator is doing
+  Reason reason = Reason::none;       ///< why
+  Twist command;                      ///< zero unless it is fresh
 };
 
 /// A command that dies by itself: the one of the last measurement, until that is max_age old. A value, so that whoever
 /// sends commands asks a copy of it without waiting for the vision.
 struct HeldCommand {
-  std::int64_t utime = 0;      ///< of the last frame that was in order [us]
-  Twist command;               ///< zero unless something is held
+  std::int64_t utime = 0;  ///< of the last frame that was in order [us]
+  Twist command;           ///< zero unless something is held
+  /// Both inclusive; the measurement's arrival, and its exposure plus max_age.
   MonotonicTime from, until;   ///< both inclusive; the measurement's arrival, and its exposure plus max_age
   bool holding = false;        ///< false: the wheels rest, whatever the time
   bool run = true;             ///< the setpoint's
@@ -34,6 +35,7 @@ struct HeldCommand {
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
     archive(self.utime, self.command, self.from, self.until, self.holding, self.run, self.ever_measured);
   }
+  /// Whether the command holds at `now`.
   bool fresh_at(MonotonicTime now) const noexcept { return run && holding && from <= now && now <= until; }
 };
 

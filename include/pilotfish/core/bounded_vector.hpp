@@ -15,11 +15,11 @@ namespace pilotfish {
 template <class T, std::size_t N>
 class BoundedVector {
  public:
-  static constexpr std::size_t capacity() { return N; }
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  bool full() const { return size_ == N; }
-  void clear() { size_ = 0; }
+  static constexpr std::size_t capacity() { return N; }  ///< N
+  std::size_t size() const { return size_; }             ///< elements held
+  bool empty() const { return size_ == 0; }              ///< no element
+  bool full() const { return size_ == N; }               ///< no room for another
+  void clear() { size_ = 0; }                            ///< removes all
 
   /// Beyond N nothing is added. Callers bound what they put in; the control loop does not throw.
   void push_back(T value) noexcept {
@@ -33,15 +33,15 @@ class BoundedVector {
     --size_;
   }
 
-  T* begin() { return values_.data(); }
-  T* end() { return values_.data() + size_; }
-  const T* begin() const { return values_.data(); }
-  const T* end() const { return values_.data() + size_; }
-  T& operator[](std::size_t i) { return values_[i]; }
-  const T& operator[](std::size_t i) const { return values_[i]; }
-  T& front() { return values_[0]; }
-  const T& front() const { return values_[0]; }
-  const T& back() const { return values_[size_ - 1]; }
+  T* begin() { return values_.data(); }                            ///< the first
+  T* end() { return values_.data() + size_; }                      ///< behind the last
+  const T* begin() const { return values_.data(); }                ///< the first
+  const T* end() const { return values_.data() + size_; }          ///< behind the last
+  T& operator[](std::size_t i) { return values_[i]; }              ///< not checked
+  const T& operator[](std::size_t i) const { return values_[i]; }  ///< not checked
+  T& front() { return values_[0]; }                                ///< not of an empty one
+  const T& front() const { return values_[0]; }                    ///< not of an empty one
+  const T& back() const { return values_[size_ - 1]; }             ///< not of an empty one
 
  private:
   std::array<T, N> values_{};

@@ -18,11 +18,14 @@ namespace pilotfish {
 ///   x' = x radial + 2 p1 x y + p2 (r2 + 2 x^2),  y' = y radial + p1 (r2 + 2 y^2) + 2 p2 x y
 ///   u = fx x' + cx,  v = fy y' + cy            with (0, 0) the centre of the top-left pixel
 struct CameraModel {
-  int width = 0;                                  ///< [px], of the images that were calibrated
-  int height = 0;                                 ///< [px]
+  int width = 0;   ///< [px], of the images that were calibrated
+  int height = 0;  ///< [px]
+  /// Focal lengths and principal point [px].
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
+  /// Distortion, as above.
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
 
+  /// False for a pure pinhole.
   bool has_distortion() const { return k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0 || k3 != 0.0; }
   /// Throws ConfigError ("camera.fx: ...") on sizes or intrinsics that no camera has.
   void validate() const;

@@ -26,10 +26,13 @@ using Bytes = std::vector<std::uint8_t>;
 /// of bytes of their own.
 class CheckpointWriter {
  public:
-  static constexpr bool kReads = false;
+  static constexpr bool kReads = false;  ///< it writes
+  /// Appends to `bytes`.
   explicit CheckpointWriter(Bytes& bytes) : bytes_(bytes) {}
+  /// Writes values, one after the other.
   template <class... T>
   void operator()(const T&... values);
+  /// Writes bytes as they are.
   void raw(const void* data, std::size_t size) {
     const auto* first = static_cast<const std::uint8_t*>(data);
     bytes_.insert(bytes_.end(), first, first + size);
@@ -42,8 +45,10 @@ class CheckpointWriter {
 /// After more is asked for than there is, or a count is too large, nothing is read any more.
 class CheckpointReader {
  public:
-  static constexpr bool kReads = true;
+  static constexpr bool kReads = true;  ///< it reads
+  /// Reads from the beginning of `bytes`.
   explicit CheckpointReader(const Bytes& bytes) : next_(bytes.data()), left_(bytes.size()) {}
+  /// Reads values in the order in which they were written.
   template <class... T>
   void operator()(T&... values);
   /// Not inlined: GCC 12 else takes the part of it that is never reached for a write behind an array's end.
@@ -53,8 +58,8 @@ class CheckpointReader {
     next_ += size;
     left_ -= size;
   }
-  void fail() { left_ = 0, sound_ = false; }
-  bool read_all() const { return sound_ && left_ == 0; }
+  void fail() { left_ = 0, sound_ = false; }              ///< what was read cannot be right
+  bool read_all() const { return sound_ && left_ == 0; }  ///< no byte is missing or left
 
  private:
   const std::uint8_t* next_;

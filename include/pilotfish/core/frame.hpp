@@ -14,11 +14,11 @@ namespace pilotfish {
 /// Gray pixels that somebody else owns. Pixel (u, v) is data[v * stride_bytes + u]; its CENTRE is at image coordinates
 /// (u, v), everywhere in Pilotfish (OpenCV's convention; the tag detector converts AprilTag's).
 struct ImageView {
-  const std::uint8_t* data = nullptr;
-  std::size_t size_bytes = 0;  ///< how many bytes may be read at data
-  int width = 0;
-  int height = 0;
-  int stride_bytes = 0;
+  const std::uint8_t* data = nullptr;  ///< the top-left pixel
+  std::size_t size_bytes = 0;          ///< how many bytes may be read at data
+  int width = 0;                       ///< [px]
+  int height = 0;                      ///< [px]
+  int stride_bytes = 0;                ///< from one row to the next
 };
 
 /// The sizes a frame may have: below, AprilTag asserts; above, its 16-bit coordinates overflow.
@@ -30,8 +30,8 @@ Reason check(const ImageView& image) noexcept;
 
 /// One gray picture and the instant of its exposure. A value: copies share the pixels, which nobody changes.
 struct Frame {
-  std::int64_t utime = 0;  ///< exposure time [us], the clock of whoever took the picture
-  ImageView image;
+  std::int64_t utime = 0;                    ///< exposure time [us], the clock of whoever took the picture
+  ImageView image;                           ///< the pixels
   std::shared_ptr<const void> pixels_owner;  ///< keeps image.data alive; empty if the caller does
   /// What is known to have passed between exposure and arrival [us]: a driver's time stamp, or the wall clock if the
   /// sender shares it. 0: nothing is known. Negative: the stamp is of the future. It can only make a frame older.

@@ -37,9 +37,9 @@ inline constexpr std::size_t kMaxTagsOnBody = 12;
 
 /// A leader: the tags it wears and where. The poses of all of them refer to its base origin, between the wheels.
 struct LeaderBody {
-  std::string name = "leader";
-  std::string family = "tag36h11";
-  std::vector<BodyTag> tags;
+  std::string name = "leader";      ///< name of the leader, for people
+  std::string family = "tag36h11";  ///< name of the AprilTag family of all its tags
+  std::vector<BodyTag> tags;        ///< list of BodyTag, a copy
 
   const BodyTag* find(int id) const;  ///< nullptr if the body does not wear that id
   /// Throws ConfigError: no tag, more than kMaxTagsOnBody, an id twice, a number out of range.

@@ -10,7 +10,7 @@ namespace pilotfish {
 /// An instant on this host's monotonic clock, which nobody can set: what ages are measured on. A type of its own, so
 /// that it cannot be mixed up with an image's stamp (utime), which is whatever its sender says.
 struct MonotonicTime {
-  std::int64_t us = 0;
+  std::int64_t us = 0;  ///< [us]
 };
 
 inline bool operator==(MonotonicTime a, MonotonicTime b) { return a.us == b.us; }

@@ -15,7 +15,7 @@ namespace pilotfish {
 
 /// One tag of the leader in one picture.
 struct TagSighting {
-  int id = 0;
+  int id = 0;                                 ///< number of the tag in its family
   int hamming = 0;                            ///< corrected bits
   double decision_margin = 0.0;               ///< AprilTag's: mean contrast of the bits, in gray levels
   std::array<Eigen::Vector2d, 4> corners_px;  ///< bottom left, bottom right, top right, top left, as one reads the tag
@@ -43,7 +43,7 @@ std::string_view to_string(FoundBy found_by) noexcept;
 
 /// What one frame says by itself, with the planar solution that the headings so far speak for.
 struct RelativeMeasurement {
-  RelativePose pose;
+  RelativePose pose;                                     ///< distance, bearing and heading
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (distance_m, bearing_rad, heading_rad)
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
@@ -58,8 +58,8 @@ struct Observation {
   /// bearing are this frame's, as far as they depend on the heading with the filter's (the base origin lies behind the
   /// tag).
   double distance_m = 0.0;
-  double bearing_rad = 0.0;
-  double heading_rad = 0.0;
+  double bearing_rad = 0.0;  ///< theta = atan2(y, x) [rad], positive: to the left
+  double heading_rad = 0.0;  ///< psi, the leader's heading relative to the coordinator's, filtered
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the three above
   RelativeMeasurement measured;  ///< of this frame alone: what a filter of your own should be fed
   double heading_doubt = 0.0;    ///< how much the headings so far speak for another one than heading_rad, 0 to 1
@@ -69,10 +69,10 @@ struct Observation {
   /// Error of the worse planar solution over the better one's, in standard deviations of the corners (>= 1). Near 1 the
   /// heading cannot be told from one picture; kMaxAmbiguityRatio where there is no second solution.
   double ambiguity_ratio = 1.0;
-  double reprojection_error_px = 0.0;  ///< RMS over all corners used
-  double min_decision_margin = 0.0;    ///< of the tags used
-  FoundBy found_by = FoundBy::frame;
-  BoundedVector<TagSighting, kMaxTagsOnBody> tags;
+  double reprojection_error_px = 0.0;               ///< RMS over all corners used
+  double min_decision_margin = 0.0;                 ///< of the tags used
+  FoundBy found_by = FoundBy::frame;                ///< how the tags were found
+  BoundedVector<TagSighting, kMaxTagsOnBody> tags;  ///< those used
 };
 
 }  // namespace pilotfish

@@ -18,9 +18,10 @@ namespace pilotfish {
 /// A value that cannot be used, found while loading. `key` is the dotted path of the parameter ("vision.decimation").
 class ConfigError : public std::invalid_argument {
  public:
+  /// `key`: dotted, as in the file.
   ConfigError(std::string key, const std::string& problem)
       : std::invalid_argument(key + ": " + problem), key_(std::move(key)) {}
-  const std::string& key() const { return key_; }
+  const std::string& key() const { return key_; }  ///< the key at fault, dotted
 
  private:
   std::string key_;
@@ -33,10 +34,11 @@ class ConfigError : public std::invalid_argument {
 /// A config struct declares  `static const std::vector<Parameter<T>>& parameters();`
 template <class Config>
 struct Parameter {
+  /// A field of the struct.
   using Member = std::variant<double Config::*, int Config::*, bool Config::*, std::string Config::*,
                               std::array<double, 3> Config::*>;
-  std::string_view key;  ///< e.g. "max_linear_mps"; a key ending in _rad may be written as _deg in YAML
-  Member member;
+  std::string_view key;   ///< e.g. "max_linear_mps"; a key ending in _rad may be written as _deg in YAML
+  Member member;          ///< where the value is
   double min = 0.0;       ///< inclusive; numbers (and each component of a vector) only
   double max = 0.0;       ///< inclusive
   std::string_view text;  ///< one sentence for the documentation and --help

@@ -11,8 +11,8 @@ namespace pilotfish {
 
 /// A pose on the ground.
 struct Pose2 {
-  double x_m = 0.0;
-  double y_m = 0.0;
+  double x_m = 0.0;          ///< [m], in the world frame
+  double y_m = 0.0;          ///< [m], in the world frame
   double heading_rad = 0.0;  ///< about the vertical, 0 along the x axis; in (-pi, pi]
   static const std::vector<Parameter<Pose2>>& parameters();
 };

@@ -12,8 +12,8 @@ namespace pilotfish {
 
 /// The content of a file, or why it was not read and what is wanted instead.
 struct FileRead {
-  std::optional<std::string> bytes;
-  std::string problem;  ///< empty if there are bytes
+  std::optional<std::string> bytes;  ///< nothing if it was not read
+  std::string problem;               ///< empty if there are bytes
 };
 
 /// Reads regular files (and links to them) of up to max_bytes, and nothing else: a directory has no content, a pipe, a

@@ -13,11 +13,11 @@ namespace pilotfish {
 
 /// Configurations that are made of others form a tree. A struct with parts lists them once,
 ///
-///   template <class Visit>
-///   static void sections(Visit&& visit) {
-///     visit("limits", &FollowerConfig::limits);     // the section `limits` of this one
-///     visit("", &LeaderObserverConfig::detector);   // a part whose keys stand in this section itself
-///   }
+///     template <class Visit>
+///     static void sections(Visit&& visit) {
+///       visit("limits", &FollowerConfig::limits);     // the section `limits` of this one
+///       visit("", &LeaderObserverConfig::detector);   // a part whose keys stand in this section itself
+///     }
 ///
 /// and whatever walks the tree (the reader, the range check, the documentation, the schema, the Python binding) finds
 /// its parts there and its numbers in parameters(). Either may be missing.

@@ -21,6 +21,7 @@ std::string_view to_string(SequenceVerdict verdict) noexcept;
 /// played back, a second sender, a datagram that comes twice). With a key (bus::Key) it keeps replays away.
 class SequenceGuard {
  public:
+  /// 0: nobody's, nothing is accepted.
   explicit SequenceGuard(std::int64_t session = 0) : session_(session) {}
 
   /// A refused message changes nothing: it cannot push the counter up for others.
@@ -28,7 +29,7 @@ class SequenceGuard {
   /// What accept() would say.
   SequenceVerdict check(std::int64_t session, std::int64_t counter) const noexcept;
 
-  std::int64_t session() const { return session_; }
+  std::int64_t session() const { return session_; }            ///< whose messages are accepted
   std::int64_t last_counter() const { return last_counter_; }  ///< of the last one accepted; 0: none yet
 
  private:
@@ -42,9 +43,10 @@ enum class SetpointVerdict { accepted, stopped, wrong_session, replayed, too_nea
 /// As the refusals are counted: "setpoint_wrong_session", "setpoint_replayed", ...
 std::string_view to_string(SetpointVerdict verdict) noexcept;
 
+/// What a SetpointGate makes of a message.
 struct SetpointDecision {
-  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;
-  Setpoint setpoint;  ///< to be kept from now on
+  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;  ///< what the gate says of the message
+  Setpoint setpoint;                                         ///< to be kept from now on
 };
 
 /// Who may tell a coordinator what to keep.
@@ -62,12 +64,13 @@ struct SetpointDecision {
 /// with session 0.
 class SetpointGate {
  public:
+  /// `session`: the coordinator's own.
   SetpointGate(std::int64_t session, double stop_distance_m) : sequence_(session), stop_distance_m_(stop_distance_m) {}
 
   /// `kept` is what has been kept until now.
   SetpointDecision decide(std::int64_t session, std::int64_t counter, const Setpoint& asked, const Setpoint& kept);
 
-  std::int64_t session() const { return sequence_.session(); }
+  std::int64_t session() const { return sequence_.session(); }            ///< the coordinator's
   std::int64_t last_counter() const { return sequence_.last_counter(); }  ///< goes into StatusReport::setpoint_counter
 
  private:

@@ -9,8 +9,8 @@ namespace pilotfish {
 
 /// Velocity of a unicycle in its own base frame: forward speed and turn rate (positive: to the left).
 struct Twist {
-  double linear_mps = 0.0;
-  double angular_radps = 0.0;
+  double linear_mps = 0.0;     ///< forward speed [m/s], in the robot's base frame
+  double angular_radps = 0.0;  ///< turn rate [rad/s], positive: to the left
 };
 
 inline bool is_finite(const Twist& twist) {

@@ -10,8 +10,8 @@ namespace pilotfish::fuzzy {
 
 /// Area and first moment of a membership function over an interval: int mu du and int u mu du.
 struct Moments {
-  double area = 0.0;
-  double first = 0.0;
+  double area = 0.0;   ///< integral of mu(u) du over the universe
+  double first = 0.0;  ///< integral of u mu(u) du; the centroid is first / area
 };
 
 /// Moments of mu_C'(u) = max_k min(heights[k], mu_k(u)) over the universe of `output`: each term clipped at

@@ -12,14 +12,14 @@ namespace pilotfish::fuzzy {
 
 /// A rule that fires and how strongly: "IF E is NS AND EC is ZE THEN U is PM, 0.62".
 struct FiredRule {
-  std::size_t rule = 0;  ///< row * kPaperColumns + column
-  double strength = 0.0;
-  std::string text;
+  std::size_t rule = 0;   ///< row * kPaperColumns + column
+  double strength = 0.0;  ///< its strength, eq. (4), in (0, 1]
+  std::string text;       ///< the rule and its strength in words
 };
 
 /// One inference with all that led to it, for people; infer() is for the control loop.
 struct Explanation {
-  Inference inference;
+  Inference inference;                         ///< output and all 56 strengths
   std::vector<FiredRule> fired;                ///< strength above zero, strongest first
   std::vector<double> heights;                 ///< where each term of U is clipped, (5) and (6)
   std::vector<std::array<double, 2>> clipped;  ///< {u, mu_C'(u)}: the corners of the set whose centroid is the output

@@ -13,9 +13,9 @@ enum class WidthShape { triangle, gaussian };
 /// How wide the inputs A' and B' of eq. (6) are, in units of their universes. Zero is a singleton: the value as
 /// measured.
 struct InputWidths {
-  double error = 0.0;
-  double error_change = 0.0;
-  WidthShape shape = WidthShape::triangle;
+  double error = 0.0;                       ///< width of A', in units of E's universe; 0: a singleton
+  double error_change = 0.0;                ///< width of B', in units of EC's universe; 0: a singleton
+  WidthShape shape = WidthShape::triangle;  ///< WidthShape of both
 };
 
 /// How far A', of a width >= 0 around x, is possibly in a term: sup_t min(mu_A'(t), mu_A(t)) over the universe of

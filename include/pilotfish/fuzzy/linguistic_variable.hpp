@@ -17,16 +17,16 @@ inline constexpr std::size_t kMaxTerms = 16;
 
 /// A linguistic term: a label such as "NB" (negative big) and its fuzzy set.
 struct Term {
-  std::string label;
-  MembershipFunction set;
+  std::string label;       ///< the word for it, e.g. NS
+  MembershipFunction set;  ///< Triangle, Trapezoid or Gaussian
 };
 
 /// A linguistic variable: a name, its universe of discourse and its terms, from negative to positive.
 struct LinguisticVariable {
-  std::string name;
-  double min = -1.0;
-  double max = 1.0;
-  std::vector<Term> terms;
+  std::string name;         ///< name of the variable, e.g. E
+  double min = -1.0;        ///< lower end of the universe
+  double max = 1.0;         ///< upper end of the universe
+  std::vector<Term> terms;  ///< list of Term from negative to positive, a copy
 
   /// The value the controller works with: inputs outside the universe saturate at its ends; NaN stays NaN.
   double saturate(double x) const noexcept { return x < min ? min : (x > max ? max : x); }
@@ -38,10 +38,11 @@ struct LinguisticVariable {
 /// What cannot be proved, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
 class ProofError : public std::invalid_argument {
  public:
+  /// `where`: the variable, term or cell at fault.
   ProofError(std::string where, const std::string& problem)
       : std::invalid_argument(where + ": " + problem), where_(std::move(where)), problem_(problem) {}
-  const std::string& where() const { return where_; }
-  const std::string& problem() const { return problem_; }
+  const std::string& where() const { return where_; }      ///< the variable, term or cell at fault
+  const std::string& problem() const { return problem_; }  ///< what is wrong with it
 
  private:
   std::string where_, problem_;

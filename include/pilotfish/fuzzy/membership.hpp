@@ -11,15 +11,18 @@ namespace pilotfish::fuzzy {
 /// mu(x) = max(0, min((x - a)/(b - a), (c - x)/(c - b))), with a <= b <= c and a < c. A vertical side is
 /// allowed (a == b): the peak itself then has degree 1.
 struct Triangle {
+  /// Left end, top, right end.
   double a, b, c;
 };
 /// mu(x) = max(0, min((x - a)/(b - a), 1, (d - x)/(d - c))), with a <= b <= c <= d and a < d. An open
 /// shoulder has a == b == -inf (everything to the left belongs) or c == d == +inf.
 struct Trapezoid {
+  /// Left end, top from b to c, right end.
   double a, b, c, d;
 };
 /// mu(x) = exp(-(x - mean)^2 / (2 sigma^2)), with sigma > 0.
 struct Gaussian {
+  /// Its top, and its width.
   double mean, sigma;
 };
 

@@ -13,11 +13,12 @@ namespace pilotfish::fuzzy {
 
 /// A complete table of rules "IF E is row AND EC is column THEN U is cell" (the paper's Table I), stored row by row.
 struct RuleBase {
-  std::size_t rows = 0;
-  std::size_t columns = 0;
+  std::size_t rows = 0;                  ///< number of terms of E
+  std::size_t columns = 0;               ///< number of terms of EC
   std::vector<std::size_t> consequents;  ///< index of the output term, [row * columns + column]
 
-  std::size_t size() const { return consequents.size(); }
+  std::size_t size() const { return consequents.size(); }  ///< number of rules
+  /// Index of the output term of a cell.
   std::size_t consequent(std::size_t row, std::size_t column) const { return consequents[row * columns + column]; }
 };
 
@@ -30,11 +31,11 @@ struct Plan;  // src/fuzzy/plan.hpp
 
 /// A two-input Mamdani controller as plain data: what data/fuzzy/*.yaml says.
 struct Controller {
-  std::string name;
+  std::string name;                 ///< name of the controller, for people
   LinguisticVariable error;         ///< E, of the normalised distance error
   LinguisticVariable error_change;  ///< EC, of its normalised change per control period
   LinguisticVariable output;        ///< U, of the normalised velocity
-  RuleBase rules;
+  RuleBase rules;                   ///< the paper's Table I by default
   /// What inference works with, made by prove() from the data above: whoever changes them proves again.
   std::shared_ptr<const Plan> plan = nullptr;
 };

@@ -15,9 +15,10 @@ namespace pilotfish::jpeg {
 /// about one gray level.
 inline constexpr int kQuality = 95;
 
+/// What a picture must measure.
 struct Size {
-  int width = 0;
-  int height = 0;
+  int width = 0;   ///< [px]
+  int height = 0;  ///< [px]
 };
 
 /// The picture as one baseline JPEG; empty if it cannot be encoded, as what check() refuses.

@@ -18,12 +18,13 @@ class AwaitedAnswers {
   AwaitedAnswers(double resend_after_s, double give_up_after_s)
       : resend_after_s_(resend_after_s), give_up_after_s_(give_up_after_s) {}
 
+  /// A picture went out: its answer is awaited.
   void sent(const std::string& robot, std::int64_t utime, double now_s);
   /// A command came. True if it answers the picture that this robot is awaited for; it is then not awaited
   /// any more. A second answer, or one to an older picture, is false.
   bool answered(const std::string& robot, std::int64_t utime);
 
-  bool complete() const { return awaited_.empty(); }
+  bool complete() const { return awaited_.empty(); }  ///< nobody is awaited
   /// Whose picture is to be sent once more; the next time is resend_after_s later.
   std::vector<std::string> to_resend(double now_s);
   /// Who has been silent for too long.

@@ -24,13 +24,13 @@ struct Imperfections {
 
 /// A body in front of the camera.
 struct VisibleBody {
-  const std::vector<Surface>* surfaces = nullptr;  ///< see surfaces_of(); outlives the call that it is given to
-  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
+  const std::vector<Surface>* surfaces = nullptr;         ///< see surfaces_of(); outlives the call that it is given to
+  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< base frame to camera frame
 };
 
 /// All that a camera sees at one instant.
 struct View {
-  std::vector<VisibleBody> bodies;
+  std::vector<VisibleBody> bodies;  ///< what is in front of the camera
   double camera_heading_rad = 0.0;  ///< of the robot that carries it: the background turns with it
 };
 
@@ -54,14 +54,14 @@ class Renderer {
   Renderer(const CameraModel& camera, const CameraMounting& mounting, const Imperfections& imperfections,
            std::uint64_t clutter_seed);
   ~Renderer();
-  Renderer(Renderer&&) noexcept;
-  Renderer& operator=(Renderer&&) noexcept;
+  Renderer(Renderer&&) noexcept;             ///< moved, with its scratch memory
+  Renderer& operator=(Renderer&&) noexcept;  ///< moved, with its scratch memory
 
   /// The picture, camera.height rows of camera.width bytes: of one instant, or the mean of several (motion blur).
   std::vector<std::uint8_t> render(const std::vector<View>& instants, std::uint64_t noise_seed) const;
 
-  const CameraModel& camera() const;
-  const Imperfections& imperfections() const;
+  const CameraModel& camera() const;           ///< size and lens
+  const Imperfections& imperfections() const;  ///< of its pictures
 
  private:
   struct Optics;

@@ -25,6 +25,7 @@ struct RobotBody {
 /// base frame of the robot that wears it. As one reads it, a points to the right and b down, so a x b points
 /// into the wall.
 struct Surface {
+  /// Of a rectangle: its centre and half its sides, in the body's frame [m].
   Eigen::Vector3d centre_m, half_a_m, half_b_m;
   int cells = 1;             ///< the pattern has cells x cells equal fields
   std::vector<float> grays;  ///< of the fields, row by row from the top left

@@ -22,15 +22,16 @@ namespace pilotfish::sim {
 struct Visibility {
   double hidden_from_s = kNever_s;
   double hidden_until_s = kNever_s;
+  /// False while it is hidden.
   bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
   static const std::vector<Parameter<Visibility>>& parameters();
 };
 
 /// A robot's own camera.
 struct CameraSpec {
-  CameraModel model;
-  CameraMounting mounting;
-  Imperfections imperfections;
+  CameraModel model;              ///< size and lens
+  CameraMounting mounting;        ///< where it sits on the robot
+  Imperfections imperfections;    ///< Imperfections of its pictures
   double latency_s = 1.0 / 30.0;  ///< from the exposure to the moment the command that answers it acts
   double drop_probability = 0.0;  ///< of a picture never being delivered
   static const std::vector<Parameter<CameraSpec>>& parameters();
@@ -39,14 +40,14 @@ struct CameraSpec {
 /// One robot of the world. What it does is one of three: it drives a trajectory, it follows another robot by
 /// sight, or, with neither, it obeys whoever sends it commands.
 struct RobotSpec {
-  std::string name;
-  Pose2 start;
-  std::optional<Trajectory> trajectory;
-  std::string follows;  ///< name of the robot its camera is there for; empty if none
-  DriveConfig drive;
-  std::optional<RobotBody> body;  ///< what others see of it; nothing if it has none
-  Visibility visibility;
-  std::optional<CameraSpec> camera;
+  std::string name;                        ///< name of the robot: its channels and its noise come from it
+  Pose2 start;                             ///< Pose2 at time 0 in the world frame
+  std::optional<Trajectory> trajectory;    ///< it follows somebody or obeys commands
+  std::string follows;                     ///< name of the robot its camera is there for; empty if none
+  DriveConfig drive;                       ///< what its wheels can do
+  std::optional<RobotBody> body;           ///< what others see of it; nothing if it has none
+  Visibility visibility;                   ///< when nobody can see it
+  std::optional<CameraSpec> camera;        ///< CameraSpec, or nothing if it has no camera
   std::filesystem::path coordinator_file;  ///< configuration of the coordinator that drives it; not read here
   std::optional<Setpoint> setpoint;        ///< what that coordinator is to be told, if not what its file says
 };
@@ -58,7 +59,7 @@ struct Scenario {
   double duration_s = 20.0;
   double frame_rate_hz = 30.0;
   int seed = 1;
-  std::vector<RobotSpec> robots;
+  std::vector<RobotSpec> robots;  ///< list of RobotSpec; getting it gives a copy, so set it as a whole
   static const std::vector<Parameter<Scenario>>& parameters();
 
   const RobotSpec* find(const std::string& robot) const;  ///< nullptr if there is none of that name

@@ -28,21 +28,23 @@ struct SpeedProfile {
 /// Distance covered and speed at a time. With T = min(t, stop) - start the time spent driving:
 ///   rising  s = a T^2 / 2 until v/a,  steady  s = v (T - v / 2a),  braking  s = s_stop + v_stop u - a u^2 / 2.
 struct Progress {
-  double distance_m = 0.0;
-  double speed_mps = 0.0;
+  double distance_m = 0.0;  ///< along the path [m]
+  double speed_mps = 0.0;   ///< along the path [m/s]
 };
 Progress progress_at(const SpeedProfile& profile, double time_s);
 
 struct Still {};
 
+/// Straight ahead.
 struct Line {
-  SpeedProfile profile;
+  SpeedProfile profile;  ///< SpeedProfile along the line
 };
 
+/// A circular arc.
 struct Circle {
-  double radius_m = 1.0;
+  double radius_m = 1.0;   ///< [m], of the base's origin
   bool clockwise = false;  ///< false: turns to the left
-  SpeedProfile profile;
+  SpeedProfile profile;    ///< SpeedProfile along the arc
   static const std::vector<Parameter<Circle>>& parameters();
 };
 
@@ -51,7 +53,7 @@ struct Circle {
 struct FigureEight {
   double half_length_m = 1.5;  ///< a: from the crossing to the far end of a lobe
   double half_width_m = 1.0;   ///< b: a lobe is as wide as b
-  SpeedProfile profile;
+  SpeedProfile profile;        ///< SpeedProfile along the arc
   static const std::vector<Parameter<FigureEight>>& parameters();
 };
 double lap_length_m(const FigureEight& eight);
@@ -67,8 +69,8 @@ struct Waypoint {
 /// Turns on the spot towards the next point, drives there in a straight line, stops, waits. Every move starts
 /// and ends at rest with a trapezoidal speed.
 struct Waypoints {
-  std::vector<Waypoint> points;
-  bool repeat = false;  ///< after the last point go to the first one again
+  std::vector<Waypoint> points;  ///< list of Waypoint; getting it gives a copy, so set it as a whole
+  bool repeat = false;           ///< after the last point go to the first one again
   double speed_mps = 0.2;
   double acceleration_mps2 = 0.5;
   double turn_rate_radps = 0.5;

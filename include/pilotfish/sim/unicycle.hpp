@@ -12,8 +12,8 @@ namespace pilotfish::sim {
 
 /// Where a robot is and how fast it really moves.
 struct UnicycleState {
-  Pose2 pose;
-  Twist twist;
+  Pose2 pose;   ///< Pose2 of the base in the world frame
+  Twist twist;  ///< Twist that the wheels really do, in the base frame
 };
 
 /// What a drive can do, and how late it does it.
@@ -37,12 +37,13 @@ struct DriveConfig {
 /// of a sub-step of kSubStep_s (error of the position: below 1e-6 m for the speeds of such robots).
 class Unicycle {
  public:
-  static constexpr double kSubStep_s = 0.001;
+  static constexpr double kSubStep_s = 0.001;  ///< [s]
 
+  /// At rest at `start`.
   explicit Unicycle(const DriveConfig& drive, const Pose2& start = {});
 
-  const UnicycleState& state() const { return state_; }
-  const Twist& set_value() const { return set_value_; }
+  const UnicycleState& state() const { return state_; }  ///< pose and real twist
+  const Twist& set_value() const { return set_value_; }  ///< the driver's ramp
   /// Obeys one constant command for duration_s (>= 0).
   void advance(const Twist& command, double duration_s);
 

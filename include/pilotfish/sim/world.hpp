@@ -30,11 +30,11 @@ class World {
   /// Throws ConfigError if the scenario is not valid.
   explicit World(Scenario scenario);
   World(const World&) = delete;
-  World(World&&) = default;
+  World(World&&) = default;  ///< not copied: it is large
 
-  const Scenario& scenario() const { return scenario_; }
-  double time_s() const { return time_s_; }
-  std::int64_t utime() const;
+  const Scenario& scenario() const { return scenario_; }  ///< what it plays
+  double time_s() const { return time_s_; }               ///< 0 at the start
+  std::int64_t utime() const;                             ///< the same on the frames' clock [us]
   /// Number of the exposure that belongs to the present time: round(time * rate).
   std::int64_t frame_index() const;
 
@@ -44,6 +44,7 @@ class World {
   /// Moves everybody on. A time in the past changes nothing.
   void advance_to(double time_s);
 
+  /// Where a robot is now, and how fast.
   UnicycleState state(const std::string& robot) const;
   /// The command that acts at a time that is not in the past, if no other comes before.
   Twist command_in_effect(const std::string& robot, double time_s) const;
@@ -51,6 +52,7 @@ class World {
   /// Of the robot that `robot` follows, at this instant: its base in the camera's frame, and its distance,
   /// bearing and heading from the follower's base.
   Eigen::Isometry3d true_cMo(const std::string& robot) const;
+  /// The same as distance, bearing and heading.
   RelativePose true_relative_pose(const std::string& robot) const;
 
   /// What the robot's camera takes now; nothing if the scenario's seed drops this frame.

@@ -12,6 +12,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+/// How headings change and how long evidence lasts.
 struct HeadingFilterConfig {
   double acceleration_radps2 = 2.0;  ///< how fast the relative heading's rate may change: standard deviation
   double memory_s = 2.0;             ///< after so long, evidence for one of two solutions has faded to 1/e
@@ -20,8 +21,8 @@ struct HeadingFilterConfig {
 
 /// What one planar solution of one frame says.
 struct HeadingCandidate {
-  RelativeMeasurement measurement;
-  double squared_error = 0.0;  ///< chi-squared of the corners
+  RelativeMeasurement measurement;  ///< distance, bearing, heading
+  double squared_error = 0.0;       ///< chi-squared of the corners
 };
 
 /// What the filter makes of the candidates.
@@ -38,12 +39,12 @@ struct FilteredHeading {
 /// each hypothesis; the unlikely are dropped, the alike merged. A value: copy it to try something out.
 class HeadingFilter {
  public:
-  explicit HeadingFilter(const HeadingFilterConfig& config) : config_(config) {}
+  explicit HeadingFilter(const HeadingFilterConfig& config) : config_(config) {}  ///< no heading known yet
 
   /// `degrees_of_freedom` of the candidates' squared errors. `candidates` holds one or two, the best first.
   FilteredHeading update(const BoundedVector<HeadingCandidate, 2>& candidates, int degrees_of_freedom,
                          double dt_s) noexcept;
-  void forget() noexcept { hypotheses_.clear(); }
+  void forget() noexcept { hypotheses_.clear(); }  ///< no heading is known any more
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp

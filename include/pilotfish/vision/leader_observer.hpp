@@ -17,13 +17,14 @@ namespace pilotfish::vision {
 
 struct SearchRegion;
 
+/// How a leader is looked for and followed.
 struct LeaderObserverConfig {
   double acquisition_range_m = 5.0;  ///< a leader that nobody follows yet is looked for up to this distance
-  TagDetectorConfig detector;
-  TagGates gates;
-  LeaderPoseConfig pose;
-  HeadingFilterConfig heading;
-  LeaderTrackConfig track;
+  TagDetectorConfig detector;        ///< how tags are found
+  TagGates gates;                    ///< which of them are believed
+  LeaderPoseConfig pose;             ///< which poses are believed
+  HeadingFilterConfig heading;       ///< which of two solutions
+  LeaderTrackConfig track;           ///< how a leader can move
   static const std::vector<Parameter<LeaderObserverConfig>>& parameters();  ///< its own: acquisition_range_m
 
   template <class Visit>
@@ -39,31 +40,33 @@ struct LeaderObserverConfig {
 
 /// Everything that was turned away since the start, by reason.
 struct RejectionCounters {
-  std::int64_t frames_invalid = 0;
-  std::int64_t hamming = 0;        ///< tags that read as something else
-  std::int64_t margin = 0;         ///< tags with too little contrast
-  std::int64_t misfit = 0;         ///< tags of which something else explains too much
-  std::int64_t foreign_id = 0;     ///< tags of the family that the leader does not wear
-  std::int64_t duplicate_id = 0;   ///< an id seen twice in one picture: none of the two is believed
-  std::int64_t outside_frame = 0;  ///< tags partly outside the picture
-  std::int64_t too_small = 0;      ///< tags too small to be read
-  std::int64_t too_blurred = 0;    ///< tags too blurred to be believed
-  std::int64_t size = 0;           ///< tags with a size that they cannot have at any range
-  std::int64_t behind = 0;         ///< poses behind the camera, or that show a tag's back
-  std::int64_t jump = 0;           ///< leaders farther from where they were than anything can have moved
-  std::int64_t pose = 0;           ///< corners that no credible pose explains
+  std::int64_t frames_invalid = 0;  ///< frames that cannot be read or are not of the calibration's size
+  std::int64_t hamming = 0;         ///< tags that read as something else
+  std::int64_t margin = 0;          ///< tags with too little contrast
+  std::int64_t misfit = 0;          ///< tags of which something else explains too much
+  std::int64_t foreign_id = 0;      ///< tags of the family that the leader does not wear
+  std::int64_t duplicate_id = 0;    ///< an id seen twice in one picture: none of the two is believed
+  std::int64_t outside_frame = 0;   ///< tags partly outside the picture
+  std::int64_t too_small = 0;       ///< tags too small to be read
+  std::int64_t too_blurred = 0;     ///< tags too blurred to be believed
+  std::int64_t size = 0;            ///< tags with a size that they cannot have at any range
+  std::int64_t behind = 0;          ///< poses behind the camera, or that show a tag's back
+  std::int64_t jump = 0;            ///< leaders farther from where they were than anything can have moved
+  std::int64_t pose = 0;            ///< corners that no credible pose explains
 
+  /// A counter and its name.
   struct Named {
-    const char* name;  ///< on the wire
-    std::int64_t RejectionCounters::*count;
+    const char* name;                        ///< on the wire
+    std::int64_t RejectionCounters::*count;  ///< which one
   };
+  /// All of them, by name.
   static const std::array<Named, 13>& all() noexcept;
 };
 
 /// What one picture says about the leader: an observation, or the reason why there is none.
 struct Sight {
-  std::optional<Observation> observation;
-  Reason reason = Reason::none;
+  std::optional<Observation> observation;  ///< Observation of this frame, or nothing
+  Reason reason = Reason::none;            ///< Reason.none with an observation, else why there is none
 };
 
 /// The way into this room: Frame in, Observation out.
@@ -91,7 +94,7 @@ class LeaderObserver {
   /// The next frame is looked at as if nothing had been seen before. The counters stay.
   void forget() noexcept;
 
-  const RejectionCounters& rejected() const { return rejected_; }
+  const RejectionCounters& rejected() const { return rejected_; }  ///< since the start
   /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
   std::int64_t whole_picture_searches() const { return whole_picture_searches_; }
 

@@ -14,6 +14,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+/// Which poses are believed, and how exactly.
 struct LeaderPoseConfig {
   double max_reprojection_error_px = 3.0;  ///< RMS over all corners
   double corner_sigma_px = 0.005;          ///< of each corner coordinate, added to its measured noise
@@ -24,7 +25,7 @@ struct LeaderPoseConfig {
 
 /// One pose that explains the corners at least locally best.
 struct PoseSolution {
-  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
+  Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame
   /// Of the twist (v, w), in the camera frame, whose exponential acts on cMo from the left.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   double squared_error = 0.0;          ///< chi-squared: of the corners, in units of their covariance
@@ -33,7 +34,7 @@ struct PoseSolution {
 
 /// A pose cMo and how well it explains the corners.
 struct LeaderPose {
-  PoseSolution best;
+  PoseSolution best;                  ///< the one to believe
   std::optional<PoseSolution> other;  ///< the second planar solution: the next best one that is really different
   double ambiguity_ratio = kMaxAmbiguityRatio;  ///< see Observation
 };

@@ -12,6 +12,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+/// How a leader can move from frame to frame.
 struct LeaderTrackConfig {
   double memory_s = 0.5;                ///< after so long without the leader the whole frame is searched
   double max_relative_speed_mps = 4.0;  ///< leader against coordinator, along and across the line of sight
@@ -22,7 +23,7 @@ struct LeaderTrackConfig {
 /// Where the leader was, how it moved in front of the camera, and what follows for now. A value.
 class LeaderTrack {
  public:
-  explicit LeaderTrack(const LeaderTrackConfig& config) : config_(config) {}
+  explicit LeaderTrack(const LeaderTrackConfig& config) : config_(config) {}  ///< no leader known yet
 
   /// cMo at that time if the leader was seen within memory_s before; it goes on as it moved between the last two
   /// frames.
@@ -32,9 +33,10 @@ class LeaderTrack {
   bool is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept;
   double seconds_since(std::int64_t utime) const noexcept;  ///< 0 if it was never seen
 
+  /// The leader was measured: where, and how its print looked.
   void update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,
               std::int64_t utime) noexcept;
-  void forget() noexcept { seen_ = false; }
+  void forget() noexcept { seen_ = false; }  ///< no leader is known any more
 
   const Appearance& appearance() const { return appearance_; }  ///< of the tags when last seen
 

@@ -12,6 +12,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+/// How tags are found and which are believed.
 struct TagDetectorConfig {
   /// Find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size). 0: whoever knows how large
   /// the tags look chooses, see decimation_for(); a detector by itself takes 1.
@@ -27,8 +28,8 @@ struct Detections {
   Reason input = Reason::none;    ///< why the picture was not even looked at
   std::vector<TagSighting> tags;  ///< sorted by id, then by decision margin (best first)
   std::vector<int> refused_ids;   ///< of the tags that a gate turned away, sorted
-  int refused_hamming = 0;
-  int refused_margin = 0;
+  int refused_hamming = 0;        ///< number of tags with more corrected bits than max_hamming
+  int refused_margin = 0;         ///< number of tags with a decision margin below min_decision_margin
 };
 
 /// libapriltag behind a safe edge: sizes are checked before it is called (it asserts or crashes on tiny and
@@ -39,8 +40,8 @@ class TagDetector {
   /// `family`: a name that TagFamily knows. Throws ConfigError on an unknown family or a parameter out of range.
   TagDetector(const std::string& family, const TagDetectorConfig& config);
   ~TagDetector();
-  TagDetector(TagDetector&&) noexcept;
-  TagDetector& operator=(TagDetector&&) noexcept;
+  TagDetector(TagDetector&&) noexcept;             ///< moved, with its scratch memory
+  TagDetector& operator=(TagDetector&&) noexcept;  ///< moved, with its scratch memory
 
   int family_size() const;  ///< ids run from 0 to family_size() - 1
 

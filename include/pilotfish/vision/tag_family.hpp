@@ -14,8 +14,8 @@ namespace pilotfish::vision {
 
 /// A tag as it is printed, one byte a cell (0 black, 255 white), row by row.
 struct TagBitmap {
-  int cells = 0;  ///< per side, with everything that belongs to the tag
-  std::vector<std::uint8_t> pixels;
+  int cells = 0;                     ///< per side, with everything that belongs to the tag
+  std::vector<std::uint8_t> pixels;  ///< cells * cells bytes
 };
 
 /// One of libapriltag's families, owned: tag36h11, tag36h10, tag25h9, tag16h5, tagStandard41h12,
@@ -31,7 +31,7 @@ class TagFamily {
   /// Throws std::out_of_range on an id that the family does not have.
   TagBitmap bitmap(int id) const;
 
-  apriltag_family* get() const { return family_.get(); }
+  apriltag_family* get() const { return family_.get(); }  ///< lives as long as this
 
  private:
   std::unique_ptr<apriltag_family, void (*)(apriltag_family*)> family_;

@@ -22,15 +22,15 @@ struct TagGates {
 
 /// Which bits are believed: the same for a detection and for a tag that is followed, see TagDetectorConfig.
 struct BitGates {
-  int max_hamming = 0;
-  double min_decision_margin = 20.0;
+  int max_hamming = 0;                ///< corrected bits still believed
+  double min_decision_margin = 20.0;  ///< in gray levels
 };
 
 /// One tag, verified and measured in this very frame.
 struct TagMeasurement {
-  TagSighting tag;
+  TagSighting tag;                             ///< id, bits and the fitted corners [px]
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of the corners (u0, v0, u1, v1, ...)
-  Appearance appearance;
+  Appearance appearance;                       ///< Appearance of its print: gray levels and blur
 };
 using TagMeasurements = BoundedVector<TagMeasurement, kMaxTagsOnBody>;
 
@@ -47,8 +47,8 @@ enum class TagRefusal : std::uint8_t {
 
 /// Either the measurement or why there is none.
 struct TagLook {
-  std::optional<TagMeasurement> measurement;
-  TagRefusal refusal = TagRefusal::not_found;
+  std::optional<TagMeasurement> measurement;   ///< nothing if it was refused
+  TagRefusal refusal = TagRefusal::not_found;  ///< why
 };
 
 /// Looks for one known tag near a place and checks what it sees: shift to the best match within `search_px`, fit the

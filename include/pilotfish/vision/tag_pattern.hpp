@@ -17,26 +17,26 @@ namespace pilotfish::vision {
 struct TagPattern {
   /// Where black meets white: one side of a cell, both sides known.
   struct Edge {
-    Eigen::Vector2d middle;
-    bool vertical = false;  ///< it runs along y, so that crossing it is a step in x
+    Eigen::Vector2d middle;  ///< of the side
+    bool vertical = false;   ///< it runs along y, so that crossing it is a step in x
   };
   /// A cell whose colour is known and what it should look like.
   struct Cell {
-    Eigen::Vector2d centre;
-    bool white = false;
-    bool data = false;  ///< one bit of the code; otherwise part of the frame that all tags of the family share
+    Eigen::Vector2d centre;  ///< of the cell
+    bool white = false;      ///< else black
+    bool data = false;       ///< one bit of the code; otherwise part of the frame that all tags of the family share
   };
 
-  int id = 0;
+  int id = 0;               ///< in its family
   double cell_side = 0.25;  ///< in tag coordinates
   int cells = 0;            ///< per side of `colour`, with a margin of kMargin cells all around
   /// Row by row, 0 black and 1 white. Cells that the family leaves free, and the margin, repeat their nearest known
   /// neighbour.
   std::vector<std::uint8_t> colour;
-  std::vector<Edge> edges;
-  std::vector<Cell> known;
+  std::vector<Edge> edges;  ///< all of them
+  std::vector<Cell> known;  ///< cells with a colour
 
-  static constexpr int kMargin = 3;
+  static constexpr int kMargin = 3;  ///< cells around the tag
 };
 
 /// Throws std::out_of_range on an id that the family does not have.

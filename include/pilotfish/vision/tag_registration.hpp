@@ -20,9 +20,9 @@ struct Appearance {
   double white = 215.0;                                      ///< the same
   Eigen::Vector2d black_slope = Eigen::Vector2d::Zero();     ///< change of black per tag coordinate: uneven light
   Eigen::Vector2d contrast_slope = Eigen::Vector2d::Zero();  ///< the same of white less black
-  double blur_u_px2 = 0.6;  ///< variance of the blur along rows (with the pixel's own 1/12)
-  double blur_v_px2 = 0.6;  ///< along columns
-  double contrast() const { return white - black; }
+  double blur_u_px2 = 0.6;                           ///< variance of the blur along rows (with the pixel's own 1/12)
+  double blur_v_px2 = 0.6;                           ///< along columns
+  double contrast() const { return white - black; }  ///< white minus black, in gray levels
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
     archive(self.black, self.white, self.black_slope, self.contrast_slope, self.blur_u_px2, self.blur_v_px2);
@@ -35,9 +35,9 @@ struct Registration {
   Eigen::Matrix3d nHt = Eigen::Matrix3d::Identity();
   std::array<Eigen::Vector2d, 4> corners_px;   ///< of the square, in the picture as it is; AprilTag's order
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of (u0, v0, u1, v1, ...), from the measured noise
-  Appearance appearance;
-  double cell_px = 0.0;        ///< shorter side of a cell
-  double misfit = 0.0;         ///< RMS of what the print does not explain, in gray levels
+  Appearance appearance;                       ///< gray levels and blur
+  double cell_px = 0.0;                        ///< shorter side of a cell
+  double misfit = 0.0;                         ///< RMS of what the print does not explain, in gray levels
   double outlier_share = 0.0;  ///< of the pixels used, those that something else explains (an occlusion, a reflection)
   int pixels = 0;              ///< how many were used
 };

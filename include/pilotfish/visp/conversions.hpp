@@ -30,6 +30,7 @@ vpCameraParameters camera_parameters_of(const CameraModel& camera);
 
 /// The same rigid motion; cMo in ViSP is cMo in Pilotfish: camera x right, y down, z ahead.
 Eigen::Isometry3d isometry_of(const vpHomogeneousMatrix& motion);
+/// The same motion as ViSP's.
 vpHomogeneousMatrix homogeneous_of(const Eigen::Isometry3d& motion);
 
 }  // namespace pilotfish::visp

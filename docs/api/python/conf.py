@@ -1,0 +1,56 @@
+"""Sphinx of the Python interface; scripts/docs runs it."""
+
+import re
+
+import pilotfish
+
+project = "Pilotfish"
+author = "the authors of Pilotfish"
+version = release = pilotfish.__version__
+extensions = ["sphinx.ext.autodoc"]
+html_theme = "furo"
+html_title = "Pilotfish in Python"
+default_role = "code"
+autodoc_member_order = "bysource"
+autodoc_default_options = {"members": True, "undoc-members": True}
+autodoc_typehints = "signature"
+autoclass_content = "both"
+add_module_names = False
+python_use_unqualified_type_names = True
+
+SHORTER = {
+    "typing.SupportsFloat | typing.SupportsIndex": "float",
+    "typing.SupportsInt | typing.SupportsIndex": "int",
+    "collections.abc.": "",
+    "os.PathLike | str | bytes": "PathLike | str",
+    "typing.": "",
+}
+
+
+def shorten(_app, _what, _name, _obj, _options, signature, returns):
+    """What a caller has to pass, without pybind11's protocols and without self."""
+
+    def short(text: str | None) -> str | None:
+        if text is None:
+            return None
+        for long, brief in SHORTER.items():
+            text = text.replace(long, brief)
+        return re.sub(r"\(self(: [\w.]+)?(, )?", "(", text, count=1)
+
+    return short(signature), short(returns)
+
+
+def escape(_app, _what, _name, _obj, _options, lines):
+    """Docstrings are plain text: a * or | in a formula, or a name that ends in _, is no markup."""
+    for number, line in enumerate(lines):
+        if not line.lstrip().startswith((":", ".. ")):
+            parts = re.split(r"(``[^`]*``|`[^`]*`)", line)
+            lines[number] = "".join(
+                part if part.startswith("`") else re.sub(r"([*|\\])|(?<=\w)(_)(?=\W|$)", r"\\\g<0>", part)
+                for part in parts
+            )
+
+
+def setup(app):
+    app.connect("autodoc-process-signature", shorten)
+    app.connect("autodoc-process-docstring", escape)
