@@ -24,7 +24,7 @@ PYTHON = ROOT / ".venv" / "bin" / "python"
 BENCH, ENVIRONMENTS = ROOT / "bench", ROOT / "build" / "bench-env"
 
 DESCRIPTION = """\
-Runs benchmarks, each beside its peers on the same input in the same run. Without names: lists them.
+Runs benchmarks, each beside its baselines on the same input in the same run. Without names: lists them.
 """
 EPILOG = """\
 examples

@@ -1,4 +1,4 @@
-"""Pictures that several rooms' tests need."""
+"""Pictures that several modules' tests need."""
 
 from __future__ import annotations
 

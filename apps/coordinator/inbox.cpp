@@ -13,7 +13,7 @@ void Inbox::put(PendingFrame frame) {
 
 void Inbox::put(const Told& told) {
   const std::lock_guard lock(mutex_);
-  if (told_.size() == kMostTold) {
+  if (told_.size() == kMaxTold) {
     told_.pop_front();
     ++forgotten_;
   }

@@ -58,7 +58,7 @@ class Inbox {
   std::int64_t forgotten() const;  ///< messages that did not fit
 
  private:
-  static constexpr std::size_t kMostTold = 256;
+  static constexpr std::size_t kMaxTold = 256;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<PendingFrame> newest_;

@@ -77,10 +77,10 @@ def main(
         headings = ["arrived", "p50 [ms]", "p99 [ms]", "p99.9 [ms]", "p50, ratio to liblcm", "flood [us CPU/datagram]"]
         for heading in headings:
             table.add_column(heading, justify="right")
-        peer = float(np.median(delays["liblcm alone"]))
+        baseline = float(np.median(delays["liblcm alone"]))
         for name, delay in delays.items():
             p50, p99, p999 = (float(np.percentile(delay, q)) / 1e3 for q in (50, 99, 99.9))
-            row = [len(delay) / frames, p50, p99, p999, p50 * 1e3 / peer, flood[name]]
+            row = [len(delay) / frames, p50, p99, p999, p50 * 1e3 / baseline, flood[name]]
             result[f"{kind}, {name}"] = dict(zip(headings, row, strict=True))
             table.add_row(name, f"{row[0]:.1%}", *(f"{value:.3f}" for value in row[1:4]), f"{row[4]:.2f}",
                           f"{row[5]:.1f}")  # fmt: skip

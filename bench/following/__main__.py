@@ -37,7 +37,7 @@ def main(
     scenario: Annotated[list[str] | None, typer.Option(help="Only this one (may be repeated).")] = None,
     out: Annotated[Path, typer.Option(help="Folder for following.json, following.png and recordings.")] = Path("out"),
 ) -> None:
-    """Compare profile anticipate with the law as published and with tuned peers, and with its goals."""
+    """Compare profile anticipate with the law as published and with tuned baselines, and with its goals."""
     scenarios = tuple(scenario or SCENARIOS)
     measured, runs = _play_all(scenarios, 1 if quick else seeds, noise=1.0 if quick else None)
     rows = make_rows(measured)

@@ -39,7 +39,7 @@ def figures_of(scenario: str, run: Recording) -> dict[str, float]:
         "frames out of picture": float(np.sum(~_in_picture(run))),
     }
     if scenario in ("line", "circle"):
-        figures["standing error [mm]"] = float(abs(error_mm[counts].mean()))
+        figures["steady-state error [mm]"] = float(abs(error_mm[counts].mean()))
         figures["settling [s]"] = _last_outside_s(time_s, error_mm)
         figures["overshoot [mm]"] = max(0.0, float(error_mm.max()))
     if scenario == "stop_dead":
@@ -68,7 +68,7 @@ def _rms(values: np.ndarray) -> float:
 
 
 def _last_outside_s(time_s: np.ndarray, error_mm: np.ndarray) -> float:
-    """From when on |e| <= 50 mm for good, about zero and not about a standing error; infinite if it is not."""
+    """From when on |e| <= 50 mm for good, about zero and not about a steady-state error; infinite if it is not."""
     outside = np.flatnonzero(np.abs(error_mm) > 1000.0 * BAND_M)
     if not outside.size:
         return 0.0

@@ -24,7 +24,7 @@ def play(
     delays: tuple[float, float] | None = None,
     on_progress: OnProgress | None = None,
 ) -> Recording:
-    """One run: the fuzzy law with what it ships with, a peer with what `pilotfish tune` found. `noise`: drawn
+    """One run: the fuzzy law with what it ships with, a baseline with what `pilotfish tune` found. `noise`: drawn
     measurements with so much of the usual noise instead of rendered pictures. `delays`: (latency_s, actuator_lag_s) of
     the robot, which its coordinator is told as well."""
     scenario = Scenario.load(data.path(f"scenarios/{which}.yaml"))

@@ -39,8 +39,8 @@ class Row:
 
 # (scenario, figure, greatest value)
 FIXED_GOALS = [
-    ("line", "standing error [mm]", 2.0),
-    ("circle", "standing error [mm]", 2.0),
+    ("line", "steady-state error [mm]", 2.0),
+    ("circle", "steady-state error [mm]", 2.0),
     ("line", "rms error [mm]", 5.0),
     ("circle", "rms error [mm]", 5.0),
     ("line", "rms bearing [deg]", 0.1),

@@ -30,7 +30,7 @@ def main(
     build: Annotated[Path, typer.Option(help="The build tree.")] = RELEASE,
     out: Annotated[Path, typer.Option(help="Folder for fuzzy.json and fuzzy.png.")] = Path("out/bench"),
 ) -> None:
-    """Time the shipped controller against its peers; print goals, ratios and what was met."""
+    """Time the shipped controller against its baselines; print goals, ratios and what was met."""
     controller = fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
     out.mkdir(parents=True, exist_ok=True)
     fll = out / "coordination.fll"
@@ -56,22 +56,22 @@ def _processor() -> str:
 
 def _table(rows: list[Row], machine: str) -> Table:
     table = Table(
-        title="Ours and its peers, per evaluation", title_justify="left", caption=f"medians of ratios; {machine}"
+        title="Ours and its baselines, per evaluation", title_justify="left", caption=f"medians of ratios; {machine}"
     )
     table.add_column("ours")
-    table.add_column("peer, resolution")
-    for heading in ("ours [ns]", "peer [ns]", "ratio", "goal", "peer |du|"):
+    table.add_column("baseline, resolution")
+    for heading in ("ours [ns]", "baseline [ns]", "ratio", "goal", "baseline |du|"):
         table.add_column(heading, justify="right")
     table.add_column("met")
     for r in rows:
         table.add_row(
             r.what,
-            r.peer,
+            r.baseline,
             f"{r.ours_ns:.0f}",
-            f"{r.peer_ns:,.0f}",
+            f"{r.baseline_ns:,.0f}",
             f"{r.ratio:,.0f}",
             f"{r.goal:,.0f}",
-            f"{r.peer_error:.1e}",
+            f"{r.baseline_error:.1e}",
             "[green]yes[/]" if r.met else "[red]no[/]",
         )
     return table
@@ -79,7 +79,7 @@ def _table(rows: list[Row], machine: str) -> Table:
 
 def _width_table(curve: list[Width]) -> Table:
     table = Table(
-        title="Inputs k sigma wide, against singletons at the same standing error",
+        title="Inputs k sigma wide, against singletons at the same steady-state error",
         title_justify="left",
         caption="ratios of RMS changes from frame to frame: below 1 is calmer",
     )
@@ -91,7 +91,7 @@ def _width_table(curve: list[Width]) -> Table:
         table.add_row(
             f"{w.sigma_m * 1e3:.0f}",
             f"{w.input_sigmas:g}",
-            f"{w.standing_error_m * 1e3:.0f}",
+            f"{w.steady_state_error_m * 1e3:.0f}",
             *("-" if x is None else f"{x:.2f}" for x in shown),
         )
     return table

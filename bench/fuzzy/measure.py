@@ -10,35 +10,44 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from peers import RESOLUTION, Law, pyfuzzylite_law, scikit_fuzzy_law, table_law
+from baselines import RESOLUTION, Law, pyfuzzylite_law, scikit_fuzzy_law, table_law
 
 from pilotfish import control, fuzzy
-from pilotfish.noisy_following import at_standing_error, mean_of_runs
+from pilotfish.noisy_following import at_steady_state_error, mean_of_runs
 
 
 @dataclass(frozen=True)
 class Row:
-    """Ours against one peer, per evaluation."""
+    """Ours against one baseline, per evaluation."""
 
     what: str
-    peer: str
+    baseline: str
     goal: float  # the ratio that is wanted
     ours_ns: float
-    peer_ns: float
+    baseline_ns: float
     ratio: float  # the median of the rounds' ratios, which is not the ratio of the medians
     spread: tuple[float, float]  # their quartiles
-    peer_error: float  # the greatest |du| between the peer and ours
+    baseline_error: float  # the greatest |du| between the baseline and ours
 
     @property
     def met(self) -> bool:
         return self.ratio >= self.goal
 
 
-def row(what: str, peer: str, goal: float, ours_ns: np.ndarray, peer_ns: np.ndarray, peer_error: float) -> Row:
-    ratios = peer_ns / ours_ns
+def row(
+    what: str, baseline: str, goal: float, ours_ns: np.ndarray, baseline_ns: np.ndarray, baseline_error: float
+) -> Row:
+    ratios = baseline_ns / ours_ns
     low, middle, high = np.percentile(ratios, [25, 50, 75])
     return Row(
-        what, peer, goal, float(np.median(ours_ns)), float(np.median(peer_ns)), float(middle), (low, high), peer_error
+        what,
+        baseline,
+        goal,
+        float(np.median(ours_ns)),
+        float(np.median(baseline_ns)),
+        float(middle),
+        (low, high),
+        baseline_error,
     )
 
 
@@ -56,7 +65,7 @@ def one_evaluation(program: Path, fll: Path, rounds: int) -> list[Row]:
 
 
 def batches(controller: fuzzy.Controller, rounds: int, count: int = 1000) -> list[Row]:
-    """Python, arrays (count,): ours and each peer in turns on the same inputs."""
+    """Python, arrays (count,): ours and each baseline in turns on the same inputs."""
     e, ec = np.random.default_rng(7).uniform(-1, 1, (2, count))
     ours = fuzzy.infer_outputs(controller, e, ec)
     rows = []
@@ -72,8 +81,8 @@ def batches(controller: fuzzy.Controller, rounds: int, count: int = 1000) -> lis
             )
             for _ in range(turns)
         ]
-        ours_ns, peer_ns = np.array(times).T / count
-        rows.append(row(f"Python: arrays ({count},)", f"{name} {RESOLUTION}", goal, ours_ns, peer_ns, error))
+        ours_ns, baseline_ns = np.array(times).T / count
+        rows.append(row(f"Python: arrays ({count},)", f"{name} {RESOLUTION}", goal, ours_ns, baseline_ns, error))
     return rows
 
 
@@ -97,7 +106,7 @@ class Width:
 
     sigma_m: float
     input_sigmas: float
-    standing_error_m: float  # with the shipped error scale
+    steady_state_error_m: float  # with the shipped error scale
     matched_scale_m: float | None  # the error scale at which it stands where singletons stand; None: there is none
     wanted_change_ratio: float | None  # at that scale: RMS change of the wanted speed
     command_change_ratio: float | None  # of the command, within the limits
@@ -112,13 +121,13 @@ def widths(controller: fuzzy.Controller, quick: bool) -> list[Width]:
         singleton = mean_of_runs(controller, control.FuzzyVelocityConfig(), sigma_m, seeds)
         for k in (0.5, 1.0) if quick else (0.25, 0.5, 1.0, 2.0, 3.0):
             as_shipped = mean_of_runs(controller, control.FuzzyVelocityConfig(input_sigmas=k), sigma_m, seeds)
-            matched = at_standing_error(controller, k, singleton.standing_error_m, sigma_m, seeds)
+            matched = at_steady_state_error(controller, k, singleton.steady_state_error_m, sigma_m, seeds)
             ratios = [None] * 4
             if matched is not None:
                 calm, scale_m = matched
                 names = ("wanted_change_rms_mps", "command_change_rms_mps", "distance_rms_m")
                 ratios = [scale_m, *(getattr(calm, name) / getattr(singleton, name) for name in names)]
-            found.append(Width(sigma_m, k, as_shipped.standing_error_m, *ratios))
+            found.append(Width(sigma_m, k, as_shipped.steady_state_error_m, *ratios))
     return found
 
 

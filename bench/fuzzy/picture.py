@@ -1,4 +1,4 @@
-"""The picture of the benchmark: ratios to the peers, and how calm wide inputs make the law."""
+"""The picture of the benchmark: ratios to the baselines, and how calm wide inputs make the law."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def draw(rows: list[Row], curve: list[Width], file: Path) -> Path:
         places = range(len(rows))
         left.barh(places, [r.ratio for r in rows], color=[BLUE if r.met else VERMILLION for r in rows], height=0.6)
         left.scatter([r.goal for r in rows], places, marker="|", s=300, color=ORANGE, label="goal", zorder=3)
-        left.set_yticks(places, [f"{r.what}\nagainst {r.peer}" for r in rows], fontsize=8)
+        left.set_yticks(places, [f"{r.what}\nagainst {r.baseline}" for r in rows], fontsize=8)
         left.invert_yaxis()
         left.set_xscale("log")
-        left.set_xlabel("times faster than the peer")
+        left.set_xlabel("times faster than the baseline")
         left.set_title("Speed")
         left.legend(loc="upper right")
         left.set_axisbelow(True)
@@ -34,7 +34,7 @@ def draw(rows: list[Row], curve: list[Width], file: Path) -> Path:
             right.plot([0.0, *k], [1.0, *ratios], "o-", color=colour, label=f"sigma {sigma_m * 1e3:.0f} mm")
         right.set_ylim(0.0, 1.1)
         right.set_xlabel("width of the inputs, k sigma")
-        right.set_ylabel("RMS change of the wanted speed,\nagainst singletons at the same standing error")
+        right.set_ylabel("RMS change of the wanted speed,\nagainst singletons at the same steady-state error")
         right.set_title("Calm")
         right.legend()
     return save(figure, file)

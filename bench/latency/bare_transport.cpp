@@ -21,7 +21,7 @@ std::int64_t read_int64(const std::uint8_t* bytes) {
   return static_cast<std::int64_t>(value);
 }
 
-struct Peer {
+struct Baseline {
   lcm_t* lcm;
   pilotfish::command_t command;
 
@@ -35,28 +35,28 @@ struct Peer {
   }
 };
 
-void heard(const lcm_recv_buf_t* received, const char* /*channel*/, void* peer) {
-  static_cast<Peer*>(peer)->answer(static_cast<const std::uint8_t*>(received->data), received->data_size);
+void heard(const lcm_recv_buf_t* received, const char* /*channel*/, void* baseline) {
+  static_cast<Baseline*>(baseline)->answer(static_cast<const std::uint8_t*>(received->data), received->data_size);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 2) return 64;
-  Peer peer{lcm_create(argv[1]), {}};
-  if (peer.lcm == nullptr) return 69;
-  peer.command.session = 1;
-  peer.command.linear_mps = 0.5;
-  peer.command.status = pilotfish::command_t::STATUS_TRACKING;
-  peer.command.text = "tracking";  // as long as the coordinator's
+  Baseline baseline{lcm_create(argv[1]), {}};
+  if (baseline.lcm == nullptr) return 69;
+  baseline.command.session = 1;
+  baseline.command.linear_mps = 0.5;
+  baseline.command.status = pilotfish::command_t::STATUS_TRACKING;
+  baseline.command.text = "tracking";  // as long as the coordinator's
   sched_param parameters{};
   parameters.sched_priority = kPriority;
   if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)  // before liblcm starts its thread, which inherits it
     std::puts("no real-time scheduling");
-  if (lcm_subscribe(peer.lcm, "ROBOT1_IMAGE", heard, &peer) == nullptr) return 69;
+  if (lcm_subscribe(baseline.lcm, "ROBOT1_IMAGE", heard, &baseline) == nullptr) return 69;
   std::puts("ready");
   std::fflush(stdout);
-  while (lcm_handle(peer.lcm) == 0) {
+  while (lcm_handle(baseline.lcm) == 0) {
   }
   return 70;
 }

@@ -15,12 +15,12 @@ from typing import Annotated
 
 import typer
 
+from bench.vision.baselines import Wheels
 from bench.vision.charts import save_charts
 from bench.vision.compiled import load_compiled
 from bench.vision.eyes import Cast
 from bench.vision.goals import Goal
 from bench.vision.parts import PARTS, QUICK, Effort, Outcome, Task
-from bench.vision.peers import Wheels
 from bench.vision.tables import goals_table
 from pilotfish.cli.console import console, friendly_errors, progress
 
@@ -45,9 +45,9 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Of every frame. Same seed: same frames.")] = 1,
     out: Annotated[Path, typer.Option(help="Where vision.json and the pictures go.")] = Path("out/bench"),
 ) -> None:
-    """Pilotfish's eye beside its peers: the same frames, in the same run, ten at a time in turns, one thread each.
+    """Pilotfish's eye beside its baselines: the same frames, in the same run, ten at a time in turns, one thread each.
 
-    Peers: ViSP and libapriltag (Debian), the newest AprilTag and OpenCV's ArUco (PyPI). The compiled ones are built
+    Baselines: ViSP and libapriltag (Debian), the newest AprilTag and OpenCV's ArUco (PyPI). The compiled ones are built
     into build/bench when they are missing. Prints what every eye made of every sequence, then one row a goal.
 
     \b

@@ -1,4 +1,4 @@
-"""The compiled peers: builds them if they are not there, and loads them."""
+"""The compiled baselines: builds them if they are not there, and loads them."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pilotfish.errors import PilotfishError
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "bench"
-MODULE = "bench_vision_peers"
+MODULE = "bench_vision_baselines"
 
 
-class PeersError(PilotfishError):
-    """The peers cannot be built or loaded; the message says what is missing."""
+class BaselinesError(PilotfishError):
+    """The baselines cannot be built or loaded; the message says what is missing."""
 
     exit_code = 69
 
@@ -30,7 +30,7 @@ def load_compiled(say: Callable[[str], None]) -> ModuleType:
         say(f"configuring {BUILD.relative_to(ROOT)}")
         _run(configure)
     if not list(BUILD.glob(f"bench/{MODULE}*.so")):
-        say(f"building {MODULE} from bench/vision/peers.cpp")
+        say(f"building {MODULE} from bench/vision/baselines.cpp")
     _run(["cmake", "--build", BUILD, "--target", MODULE])  # does nothing if nothing changed
     sys.path.insert(0, str(BUILD / "bench"))
     return importlib.import_module(MODULE)
@@ -39,4 +39,4 @@ def load_compiled(say: Callable[[str], None]) -> ModuleType:
 def _run(command: list[object]) -> None:
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     if done.returncode != 0:
-        raise PeersError(f"{' '.join(map(str, command))} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")
+        raise BaselinesError(f"{' '.join(map(str, command))} failed:\n{done.stdout[-3000:]}{done.stderr[-3000:]}")

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
 
+from bench.vision.baselines import Target, Wheels, apriltag, visp
 from bench.vision.ours import Ours
-from bench.vision.peers import Target, Wheels, apriltag, visp
 from bench.vision.runs import Eye
 from bench.vision.scenes import LEADER, TAG_ID, TAG_SIZE_M
 from pilotfish import core

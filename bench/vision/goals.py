@@ -1,4 +1,4 @@
-"""What the eye is to reach, as rows: the goal, the peer's figure, ours, their ratio, and whether it is met."""
+"""What the eye is to reach, as rows: the goal, the baseline's figure, ours, their ratio, and whether it is met."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ FLAT = 1.2  # a tracked frame may cost so much more in the largest image than in
 
 @dataclass(frozen=True)
 class Goal:
-    """One row. `ratio` is ours over the peer's, NaN if there is nothing to divide by."""
+    """One row. `ratio` is ours over the baseline's, NaN if there is nothing to divide by."""
 
     name: str
     bound: str
-    peer: str
+    baseline: str
     ours: str
     ratio: float
     met: bool
 
 
 def at_most(
-    name: str, bound: float, text: str, peer: str, theirs: float, ours: float, unit: Callable[[float], str]
+    name: str, bound: float, text: str, baseline: str, theirs: float, ours: float, unit: Callable[[float], str]
 ) -> Goal:
     """ours / theirs <= bound. A figure that is missing meets nothing."""
     quotient = ratio(ours, theirs)
-    return Goal(name, text, f"{peer}: {unit(theirs)}", unit(ours), quotient, quotient <= bound)
+    return Goal(name, text, f"{baseline}: {unit(theirs)}", unit(ours), quotient, quotient <= bound)
 
 
-def below(name: str, peer: str, theirs: float, ours: float) -> Goal:
+def below(name: str, baseline: str, theirs: float, ours: float) -> Goal:
     """ours < theirs: as good is not better."""
     quotient = ratio(ours, theirs)
-    return Goal(name, "below the better", f"{peer}: {mm(theirs)}", mm(ours), quotient, quotient < 1.0)
+    return Goal(name, "below the better", f"{baseline}: {mm(theirs)}", mm(ours), quotient, quotient < 1.0)
 
 
 def accuracy_goals(cells: Cells) -> Iterator[Goal]:
@@ -49,13 +49,13 @@ def accuracy_goals(cells: Cells) -> Iterator[Goal]:
     for d in NEAR_M:
         eyes = vga[d]
         ours = eyes[TRACKED].median_ms
-        for bound, text, peer in ((1 / 200, "≤ 1/200", VISP_1), (1 / 50, "≤ 1/50", VISP_2)):
-            yield at_most(f"time per tracked frame, {d} m", bound, text, peer, eyes[peer].median_ms, ours, ms)
+        for bound, text, baseline in ((1 / 200, "≤ 1/200", VISP_1), (1 / 50, "≤ 1/50", VISP_2)):
+            yield at_most(f"time per tracked frame, {d} m", bound, text, baseline, eyes[baseline].median_ms, ours, ms)
     for d, eyes in vga.items():
         theirs, ours = eyes[VISP_2], eyes[ACQUIRED]
         row = at_most(f"time per acquired frame, {d} m", 0.7, "≤ 0.7", VISP_2, theirs.median_ms, ours.median_ms, ms)
         as_often = ours.seen >= theirs.seen
-        seen = (f"{row.peer}, seen {percent(theirs.seen)}", f"{row.ours}, seen {percent(ours.seen)}")
+        seen = (f"{row.baseline}, seen {percent(theirs.seen)}", f"{row.ours}, seen {percent(ours.seen)}")
         yield Goal(row.name, f"{row.bound}, seen as often", *seen, row.ratio, row.met and as_often)
     for d, eyes in vga.items():
         best = min((VISP_1, WHEEL), key=lambda name: _known(eyes[name].median_mm))
@@ -69,18 +69,18 @@ def accuracy_goals(cells: Cells) -> Iterator[Goal]:
 def heading_goals(far: dict[str, Figures], head_on: dict[str, Figures]) -> Iterator[Goal]:
     """The filtered heading of a single tag on a sequence."""
     for name, eyes in (("heading > 10° wrong, 5 m", far), ("heading > 10° wrong, head-on 2 to 4 m", head_on)):
-        peer = min((VISP_1, WHEEL), key=lambda eye: _known(eyes[eye].headings_wrong))
-        theirs, ours = eyes[peer].headings_wrong, eyes[TRACKED].headings_wrong
-        yield Goal(name, "≤ 1 %", f"{peer}: {percent(theirs)}", percent(ours), ratio(ours, theirs), ours <= 0.01)
+        baseline = min((VISP_1, WHEEL), key=lambda eye: _known(eyes[eye].headings_wrong))
+        theirs, ours = eyes[baseline].headings_wrong, eyes[TRACKED].headings_wrong
+        yield Goal(name, "≤ 1 %", f"{baseline}: {percent(theirs)}", percent(ours), ratio(ours, theirs), ours <= 0.01)
 
 
 def drive_goals(eyes: dict[str, Figures]) -> Iterator[Goal]:
     """Frames of the drive in which the leader is seen."""
-    for peer in (VISP_1, VISP_2):
-        theirs, ours = eyes[peer].seen, eyes[TRACKED].seen
+    for baseline in (VISP_1, VISP_2):
+        theirs, ours = eyes[baseline].seen, eyes[TRACKED].seen
         quotient = ratio(ours, theirs)
-        name = f"frames of the drive with the leader seen, of {eyes[peer].frames}"
-        yield Goal(name, "≥ 1.0", f"{peer}: {percent(theirs)}", percent(ours), quotient, quotient >= 1.0)
+        name = f"frames of the drive with the leader seen, of {eyes[baseline].frames}"
+        yield Goal(name, "≥ 1.0", f"{baseline}: {percent(theirs)}", percent(ours), quotient, quotient >= 1.0)
 
 
 def wrong_leader_goals(verdict: Verdict) -> Iterator[Goal]:

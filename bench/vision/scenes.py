@@ -1,7 +1,7 @@
 """Frames whose truth is known: one tag on a box, in front of clutter, moving smoothly past a camera.
 
 All poses are cMt, tag frame (x right, y down as one reads it, z into the wall) to camera frame (x right, y down, z
-forward). Frames come as sequences with real motion between them, so that the same frame serves a peer that looks at
+forward). Frames come as sequences with real motion between them, so that the same frame serves a baseline that looks at
 every frame anew and a tracker that remembers the last one.
 """
 

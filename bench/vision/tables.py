@@ -59,11 +59,11 @@ def verdict_table(verdict: Verdict) -> Table:
 def goals_table(goals: list[Goal]) -> Table:
     """One row a goal."""
     table = Table(title="goals", title_justify="left")
-    for column in ("goal", "bound", "best peer", "ours"):
+    for column in ("goal", "bound", "best baseline", "ours"):
         table.add_column(column)
     table.add_column("ratio", justify="right")
     table.add_column("met")
     for goal in goals:
         met = "[green]yes[/]" if goal.met else "[red]no[/]"
-        table.add_row(goal.name, goal.bound, goal.peer, goal.ours, fraction(goal.ratio), met)
+        table.add_row(goal.name, goal.bound, goal.baseline, goal.ours, fraction(goal.ratio), met)
     return table

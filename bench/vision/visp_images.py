@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from bench.vision.peers import Target
+from bench.vision.baselines import Target
 from bench.vision.runs import Eye, compare
 from bench.vision.scenes import Picture, camera_of, utime_of
 from bench.vision.summary import Figures

@@ -11,7 +11,7 @@ using namespace pilotfish;
 using blackbox::BlackBox;
 
 PYBIND11_MODULE(blackbox, m) {
-  for (const char* room : {"pilotfish.core", "pilotfish.coordinator"}) py::module_::import(room);
+  for (const char* module : {"pilotfish.core", "pilotfish.coordinator"}) py::module_::import(module);
   m.doc() = "A bounded ring of files with everything that a replay of a run needs.";
 
   using Release = py::call_guard<py::gil_scoped_release>;

@@ -108,8 +108,8 @@ void bind_config(py::module_& m) {
 }  // namespace
 
 PYBIND11_MODULE(coordinator, m) {
-  for (const char* room : {"pilotfish.core", "pilotfish.fuzzy", "pilotfish.vision", "pilotfish.control"})
-    py::module_::import(room);
+  for (const char* module : {"pilotfish.core", "pilotfish.fuzzy", "pilotfish.vision", "pilotfish.control"})
+    py::module_::import(module);
   m.doc() = "The heart: Coordinator.step(frame, now_us) -> StepResult. Pure: no clock, no I/O.";
   bind_config(m);
 

@@ -106,7 +106,7 @@ _ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
                                               f"{r.recording.meta.distance_setpoint_m:.2f} m"),
     ("initial distance error", lambda r: _millimetres(r.metrics.initial_error_m)),
     ("final distance error", lambda r: _millimetres(r.metrics.final_error_m)),
-    ("standing distance error", lambda r: _millimetres(r.metrics.standing_error_m)),
+    ("steady-state distance error", lambda r: _millimetres(r.metrics.steady_state_error_m)),
     ("RMS distance error", lambda r: _millimetres(r.metrics.rms_error_m).lstrip("+")),
     ("settling to standing ±50 mm", _settling),
     ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),

@@ -5,7 +5,7 @@ bearing error, both of the TRUE relative pose, so that an error of the camera is
 
 The *steady window* W is the last quarter of the run. Figures "after settling" are taken over W and not from
 the settling time on, because a run that has just entered the band still creeps, and that would leak into the
-standing error.
+steady-state error.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Metrics:
     final_distance_m: float
     initial_error_m: float
     final_error_m: float
-    standing_error_m: float
+    steady_state_error_m: float
     rms_error_m: float
     settling_time_s: float | None  # None: not settled
     overshoot_m: float
@@ -61,7 +61,7 @@ def evaluate(recording: Recording) -> Metrics:
         final_distance_m=float(recording.true_distance_m[-1]),
         initial_error_m=float(error_m[0]),
         final_error_m=float(error_m[-1]),
-        standing_error_m=standing_error_m(time_s, error_m),
+        steady_state_error_m=steady_state_error_m(time_s, error_m),
         rms_error_m=_rms(error_m[steady]),
         settling_time_s=settling_time_s(time_s, error_m),
         overshoot_m=overshoot_m(error_m),
@@ -78,20 +78,20 @@ def steady_window(time_s: FloatArray) -> np.ndarray:
     return time_s >= start_s - 1e-9
 
 
-def standing_error_m(time_s: FloatArray, error_m: FloatArray) -> float:
-    """The standing error: mean of e over the steady window W [m]."""
+def steady_state_error_m(time_s: FloatArray, error_m: FloatArray) -> float:
+    """The steady-state error: mean of e over the steady window W [m]."""
     return float(error_m[steady_window(time_s)].mean())
 
 
 def settling_time_s(time_s: FloatArray, error_m: FloatArray, band_m: float = SETTLING_BAND_M) -> float | None:
-    """Time from the start of the run after which |e(t) - standing error| <= band_m for good [s].
+    """Time from the start of the run after which |e(t) - steady-state error| <= band_m for good [s].
 
-    The band lies around the standing error and not around zero: behind a moving leader the published law
+    The band lies around the steady-state error and not around zero: behind a moving leader the published law
     keeps one by construction, so a band around zero would say nothing about the transient. The time is that
     of the first sample of the last unbroken stretch inside the band; None if that stretch does not cover the
     whole steady window, or is shorter than MIN_SETTLED_S (whoever passes through the band is inside as well).
     """
-    outside = np.flatnonzero(np.abs(error_m - standing_error_m(time_s, error_m)) > band_m)
+    outside = np.flatnonzero(np.abs(error_m - steady_state_error_m(time_s, error_m)) > band_m)
     first = 0 if outside.size == 0 else int(outside[-1]) + 1
     if first > int(np.flatnonzero(steady_window(time_s))[0]) or time_s[-1] - time_s[first] < MIN_SETTLED_S:
         return None
@@ -117,5 +117,5 @@ def rms_jerk_mps3(recording: Recording) -> float:
 
 
 def _rms(values: FloatArray) -> float:
-    """sqrt(mean(x^2)), about zero: a standing error counts."""
+    """sqrt(mean(x^2)), about zero: a steady-state error counts."""
     return float(np.sqrt(np.mean(np.square(values))))

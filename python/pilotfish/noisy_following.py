@@ -22,9 +22,9 @@ DURATION_S = 50.0
 
 @dataclass(frozen=True)
 class Calm:
-    """How calm one law was, and at what standing error."""
+    """How calm one law was, and at what steady-state error."""
 
-    standing_error_m: float  # mean of d_p - d
+    steady_state_error_m: float  # mean of d_p - d
     distance_rms_m: float  # of d about its mean
     wanted_change_rms_mps: float  # RMS change from frame to frame of the speed that the law asks for
     command_change_rms_mps: float  # of the speed commanded, within the limits on acceleration
@@ -66,23 +66,23 @@ def mean_of_runs(law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sig
     return Calm(**{name: float(np.mean([getattr(run, name) for run in runs])) for name in names})
 
 
-def at_standing_error(
-    law: fuzzy.Controller, input_sigmas: float, standing_error_m: float, sigma_m: float, seeds: range
+def at_steady_state_error(
+    law: fuzzy.Controller, input_sigmas: float, steady_state_error_m: float, sigma_m: float, seeds: range
 ) -> tuple[Calm, float] | None:
     """The law with inputs that wide, its error scale [m] chosen so that it stands at the given error, within 1 %.
 
     A wide B' fires rules for leaders that come and leave as well, and the table answers the two unequally: the
-    standing error grows. A smaller scale takes that back, at the price of a steeper law, and only then are two widths
-    comparable. Returns what came of it and the scale; None if no scale does it, because A', as wide as the noise, then
-    takes up the universe. The standing error is about proportional to the scale, so steps of proportion find it.
+    steady-state error grows. A smaller scale takes that back, at the price of a steeper law, and only then are two
+    widths comparable. Returns what came of it and the scale; None if no scale does it, because A', as wide as the noise, then
+    takes up the universe. The steady-state error is about proportional to the scale, so steps of proportion find it.
     """
     scale_m = control.FuzzyVelocityConfig().error_scale_m
     for _ in range(8):
         config = control.FuzzyVelocityConfig(input_sigmas=input_sigmas, error_scale_m=scale_m)
         calm = mean_of_runs(law, config, sigma_m, seeds)
-        if abs(calm.standing_error_m / standing_error_m - 1.0) < 0.01:
+        if abs(calm.steady_state_error_m / steady_state_error_m - 1.0) < 0.01:
             return calm, scale_m
-        scale_m *= standing_error_m / calm.standing_error_m
+        scale_m *= steady_state_error_m / calm.steady_state_error_m
         if scale_m < 4.0 * sigma_m:
             return None
     return None

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSearch_px = 40.0;    ///< how far from its predicted place a tag is looked for, at most,
 constexpr double kSearch_cells = 4.0;  ///< and at most so many of its cells: beyond, a detection is cheaper and surer
-constexpr double kLeastFacing = 0.2;   ///< cosine of the angle under which a tag is still worth looking at
+constexpr double kMinFacing = 0.2;     ///< cosine of the angle under which a tag is still worth looking at
 
 /// d, theta, psi and their covariance. With t = cMo's translation, f = cMo's first column (the leader's
 /// forward axis) and R the rotation of bMc, a small twist (v, w) acting on cMo from the left moves them by
@@ -233,7 +233,7 @@ LeaderObserver::Attempt LeaderObserver::follow_tags(const ImageView& image,
     const Eigen::Isometry3d cMt = predicted_cMo * body_from_tag(body_.tags[i]);
     const Eigen::Vector3d middle_c = cMt.translation();
     // Only tags that are in front of the camera and turned towards it can be seen.
-    if (!(middle_c.z() > 0.0) || cMt.linear().col(2).dot(middle_c.normalized()) < kLeastFacing) continue;
+    if (!(middle_c.z() > 0.0) || cMt.linear().col(2).dot(middle_c.normalized()) < kMinFacing) continue;
     const double cell_px = 0.5 * patterns_[i].cell_side * body_.tags[i].size_m * camera_.fx / middle_c.z();
     attempt.add(look_at_tag(image, camera_, patterns_[i], homography_from_pose(cMt, body_.tags[i].size_m),
                             track_.appearance(), std::min(kSearch_px, kSearch_cells * cell_px), bit_gates(),

@@ -10,9 +10,9 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kTwistFrom_s = 0.2;   ///< two sightings farther apart say nothing about the motion now
-constexpr double kSlack_m = 0.1;       ///< measurement errors are no jumps
-constexpr double kMostTurn_rad = 0.5;  ///< a faster turn between two frames was the other planar solution
+constexpr double kTwistFrom_s = 0.2;  ///< two sightings farther apart say nothing about the motion now
+constexpr double kSlack_m = 0.1;      ///< measurement errors are no jumps
+constexpr double kMaxTurn_rad = 0.5;  ///< a faster turn between two frames was the other planar solution
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void LeaderTrack::update(const Eigen::Isometry3d& cMo, const RelativePose& pose,
   moving_ = false;
   if (seen_ && dt_s > 0.0 && dt_s < kTwistFrom_s) {
     const Eigen::Matrix<double, 6, 1> motion = logarithm(cMo * cMo_.inverse());
-    if (motion.tail<3>().norm() < kMostTurn_rad) {
+    if (motion.tail<3>().norm() < kMaxTurn_rad) {
       twist_ = motion / dt_s;
       moving_ = true;
     }

@@ -17,7 +17,7 @@ namespace {
 constexpr double kDecimations[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 
 /// Below so many pixels a cell, on the decimated picture, libapriltag misses quads (docs/vision.md).
-constexpr double kLeastCell_px = 1.55;
+constexpr double kMinCell_px = 1.55;
 
 /// Its blur writes before the first pixel of a row once half its kernel, int(4 sigma) | 1 wide, exceeds the
 /// row. The shortest row is kMinFrameSide / 4 = 4 px, which bears 7 taps: sigma < 2.
@@ -173,7 +173,7 @@ Detections TagDetector::detect_checked(const ImageView& image, double decimation
 double decimation_for(double cell_px) noexcept {
   double largest = kDecimations[0];
   for (double decimation : kDecimations)
-    if (cell_px >= kLeastCell_px * decimation) largest = decimation;
+    if (cell_px >= kMinCell_px * decimation) largest = decimation;
   return largest;
 }
 

@@ -11,15 +11,15 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kLeastCorrelation = 0.35;  ///< below, the fit is not even tried
-constexpr double kWrongFrameCells = 0.1;    ///< share of the rings that may be dirty
-constexpr double kMostOutliers = 0.25;      ///< share of the pixels that something else may explain
-constexpr double kLeastMargin_px = 1.0;     ///< of the corners from the picture's rim
+constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not even tried
+constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
+constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
+constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's rim
 
 bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
   return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {
-    return corner.x() >= kLeastMargin_px && corner.y() >= kLeastMargin_px &&
-           corner.x() <= image.width - 1.0 - kLeastMargin_px && corner.y() <= image.height - 1.0 - kLeastMargin_px;
+    return corner.x() >= kMinMargin_px && corner.y() >= kMinMargin_px &&
+           corner.x() <= image.width - 1.0 - kMinMargin_px && corner.y() <= image.height - 1.0 - kMinMargin_px;
   });
 }
 
@@ -52,7 +52,7 @@ TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const Tag
     return {std::nullopt, TagRefusal::too_small};
   const std::optional<Shift> shift = find_shift(image, camera, pattern, nHt, search_px);
   if (!shift) return {std::nullopt, TagRefusal::outside_frame};
-  if (shift->correlation < kLeastCorrelation)
+  if (shift->correlation < kMinCorrelation)
     return {std::nullopt, is_inside(image, guess_px) ? TagRefusal::not_found : TagRefusal::outside_frame};
 
   Eigen::Matrix3d start = nHt;
@@ -73,7 +73,7 @@ TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const Tag
   if (blur_px > gates.max_blur_cells * fit->cell_px) return {std::nullopt, TagRefusal::too_blurred};
   if (other) return {std::nullopt, TagRefusal::hamming};
   if (reading.decision_margin < bits.min_decision_margin) return {std::nullopt, TagRefusal::margin};
-  if (fit->misfit > gates.max_misfit * fit->appearance.contrast() || fit->outlier_share > kMostOutliers)
+  if (fit->misfit > gates.max_misfit * fit->appearance.contrast() || fit->outlier_share > kMaxOutliers)
     return {std::nullopt, TagRefusal::misfit};
 
   TagMeasurement measurement;

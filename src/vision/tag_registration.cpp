@@ -38,7 +38,7 @@ constexpr double kAtRest_px = 0.03;  ///< after a smaller step the rest is a hun
 constexpr double kNear_px = 0.7;     ///< a first step that is longer did not start near enough to trust its direction
 constexpr double kAtHome_contrasts = 0.05;  ///< a fit on the wrong edges leaves more of the contrast unexplained,
 constexpr double kAtHome_outliers = 0.1;    ///< or more of its samples
-constexpr double kLeastNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
+constexpr double kMinNoise = 0.2;           ///< gray levels: even a perfect picture is rounded, and a sample is a mean
 constexpr double kNotAtRest_px = 0.1;       ///< a last step that does
 constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are looked at pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
@@ -246,7 +246,7 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
   sum = task.samples.reach == 1 ? linearize<1>(fit, task.pattern, task.samples, blur_u, blur_v, task.rows)
                                 : linearize<2>(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
   if (sum.inliers < 2 * kParameters) return std::nan("");
-  fit.noise = std::max(kLeastNoise, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
+  fit.noise = std::max(kMinNoise, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
   fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / task.samples.count;
   add_prior(fit, task.expected, fit.noise, sum);
   if (!fine)

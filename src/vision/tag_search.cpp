@@ -9,16 +9,16 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kLiesWell = 0.8;        ///< a correlation at which the fit converges from here
-constexpr int kMostSteps = 12;           ///< in each direction
-constexpr std::size_t kMostCells = 160;  ///< of the largest family, with its rings: 12 x 12 and some
+constexpr double kLiesWell = 0.8;       ///< a correlation at which the fit converges from here
+constexpr int kMaxSteps = 12;           ///< in each direction
+constexpr std::size_t kMaxCells = 160;  ///< of the largest family, with its rings: 12 x 12 and some
 
 /// The middle of a cell in the picture, and its colour less the mean colour.
 struct Probe {
   int u = 0, v = 0;
   float colour = 0.0F;
 };
-using Probes = BoundedVector<Probe, kMostCells>;
+using Probes = BoundedVector<Probe, kMaxCells>;
 
 /// The correlation coefficient of colours and grays with all probes moved by (du, dv).
 double correlation(const ImageView& image, const Probes& probes, float colour_energy, int du, int dv) {
@@ -72,7 +72,7 @@ std::optional<Shift> find_shift(const ImageView& image, const CameraModel& camer
 
   const Eigen::Matrix2d J = warp.flat_jacobian(Eigen::Vector2d::Zero());
   const double half_cell_px = 0.5 * pattern.cell_side * std::min(J.col(0).norm(), J.col(1).norm());
-  const double step_px = std::max({1.0, half_cell_px, search_px / kMostSteps});
+  const double step_px = std::max({1.0, half_cell_px, search_px / kMaxSteps});
   const int steps = static_cast<int>(search_px / step_px);
   for (int j = -steps; j <= steps; ++j)
     for (int i = -steps; i <= steps; ++i) {

@@ -41,20 +41,20 @@ def test_a_leader_is_out_of_the_picture_when_its_disc_crosses_the_edge():
 
 
 def test_a_row_is_met_only_if_the_worst_seed_meets_it():
-    runs = {law: [{"standing error [mm]": 1.0}, {"standing error [mm]": 1.5}] for law in rows.LAWS}
-    row = rows._row({"line": runs}, "line", "standing error [mm]", 2.0, "2")
+    runs = {law: [{"steady-state error [mm]": 1.0}, {"steady-state error [mm]": 1.5}] for law in rows.LAWS}
+    row = rows._row({"line": runs}, "line", "steady-state error [mm]", 2.0, "2")
     assert row.met and row.ours == 1.5 and row.ratio == pytest.approx(1.5 / 1.25)
-    runs["anticipate"][1]["standing error [mm]"] = 2.5
-    assert not rows._row({"line": runs}, "line", "standing error [mm]", 2.0, "2").met
+    runs["anticipate"][1]["steady-state error [mm]"] = 2.5
+    assert not rows._row({"line": runs}, "line", "steady-state error [mm]", 2.0, "2").met
 
 
 def test_a_quick_run_of_one_scenario_prints_its_table_and_leaves_its_files(tmp_path):
     command = [sys.executable, ROOT / "bench" / "following", "--quick", "--scenario", "circle", "--out", tmp_path]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
-    assert "standing error" in done.stdout
+    assert "steady-state error" in done.stdout
     report = json.loads((tmp_path / "following.json").read_text())
     assert set(report["figures"]["circle"]) == set(rows.LAWS)
-    standing = next(row for row in report["rows"] if row["figure"] == "standing error [mm]")
+    standing = next(row for row in report["rows"] if row["figure"] == "steady-state error [mm]")
     assert standing["met"] and standing["others"]["paper"] > 46.0
     assert (tmp_path / "following.png").is_file()

@@ -148,7 +148,7 @@ def test_errors_are_of_the_distance_to_the_tag_and_of_its_visible_normal():
     assert abs(errors.heading_deg) == pytest.approx(20.0)
 
 
-def test_the_side_on_which_a_peer_has_its_z_axis_does_not_matter():
+def test_the_side_on_which_a_baseline_has_its_z_axis_does_not_matter():
     truth = scenes.tag_pose(2.0, yaw_rad=0.5, azimuth_rad=0.2)
     theirs = truth @ np.diag([1.0, -1.0, -1.0, 1.0])
     errors = errors_of(Answer(1, theirs), truth)
@@ -197,8 +197,8 @@ def test_who_never_sees_the_leader_has_no_errors_and_meets_no_goal():
     assert figures.seen == 0.0
     assert math.isnan(figures.median_mm)
     assert json.loads(json.dumps(as_json(figures), allow_nan=False))["median_mm"] is None
-    assert not below("error", "peer", 1.0, figures.median_mm).met
-    assert not below("error", "peer", figures.median_mm, 1.0).met
+    assert not below("error", "baseline", 1.0, figures.median_mm).met
+    assert not below("error", "baseline", figures.median_mm, 1.0).met
 
 
 def test_percentiles_shares_and_ratios():
@@ -210,9 +210,9 @@ def test_percentiles_shares_and_ratios():
 
 
 def test_a_goal_is_met_up_to_its_bound():
-    assert at_most("time", 0.5, "half", "peer", 2.0, 1.0, mm).met
-    assert not at_most("time", 0.5, "half", "peer", 2.0, 1.01, mm).met
-    assert not below("error", "peer", 1.0, 1.0).met  # as good is not better
+    assert at_most("time", 0.5, "half", "baseline", 2.0, 1.0, mm).met
+    assert not at_most("time", 0.5, "half", "baseline", 2.0, 1.01, mm).met
+    assert not below("error", "baseline", 1.0, 1.0).met  # as good is not better
     assert fraction(1 / 200) == "1/200"
     assert fraction(1.5) == "1.50"
 

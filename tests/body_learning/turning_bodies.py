@@ -1,6 +1,6 @@
 """Bodies that turn in front of a camera: their poses, and what a detector with noise of known size would report.
 
-The corners come from ``CameraModel.project``, point by point: nothing of the room under test is used.
+The corners come from ``CameraModel.project``, point by point: nothing of the module under test is used.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 SOURCES = [*ROOT.glob("src/*/*.cpp"), *ROOT.glob("include/pilotfish/*/*.hpp")]
 
-# The arrows of the architecture: room -> rooms it may include. CMake enforces them at compile time; this says them
+# The arrows of the architecture: module -> modules it may include. CMake enforces them at compile time; this says them
 # again in one place, so that changing an arrow is a decision and not an accident.
 MAY_INCLUDE = {
     "core": set(),
@@ -28,17 +28,17 @@ MAY_INCLUDE = {
 }
 
 
-def room_of(path: Path) -> str:
+def module_of(path: Path) -> str:
     return path.parent.name
 
 
-@pytest.mark.parametrize("room", MAY_INCLUDE)
-def test_a_room_includes_only_the_rooms_it_may(room):
-    files = [path for path in SOURCES if room_of(path) == room]
-    assert files, f"no file in room {room}: the test would test nothing"
+@pytest.mark.parametrize("module", MAY_INCLUDE)
+def test_a_module_includes_only_the_modules_it_may(module):
+    files = [path for path in SOURCES if module_of(path) == module]
+    assert files, f"no file in module {module}: the test would test nothing"
     for path in files:
-        included = set(re.findall(r'#include "pilotfish/(\w+)/', path.read_text())) - {room}
-        assert included <= MAY_INCLUDE[room], f"{path.relative_to(ROOT)} includes {included - MAY_INCLUDE[room]}"
+        included = set(re.findall(r'#include "pilotfish/(\w+)/', path.read_text())) - {module}
+        assert included <= MAY_INCLUDE[module], f"{path.relative_to(ROOT)} includes {included - MAY_INCLUDE[module]}"
 
 
 def test_no_source_file_holds_more_than_400_lines():

@@ -114,7 +114,7 @@ def test_an_experiment_ends_with_a_table_and_pictures(desk, tmp_path):
     (command,) = commands_checked_as("experiment")
     done = desk(command)
     assert done.returncode == 0, done.stderr
-    assert "standing distance error" in done.stdout
+    assert "steady-state distance error" in done.stdout
     assert list((tmp_path / "out").glob("*.png"))
 
 

@@ -32,7 +32,7 @@ def played(which, profile="anticipate", seed=1, duration_s=None, spec=None, conf
 @pytest.mark.parametrize(("which", "bearing_deg"), [("line", 0.1), ("circle", 0.2)])
 def test_behind_a_steady_leader_it_stands_within_two_millimetres_and_settles_in_four_seconds(which, bearing_deg, seed):
     figures = evaluate(played(which, seed=seed))
-    assert abs(figures.standing_error_m) < 0.002
+    assert abs(figures.steady_state_error_m) < 0.002
     assert figures.rms_error_m < 0.005
     assert figures.rms_bearing_error_deg < bearing_deg
     assert figures.settling_time_s < 4.0
@@ -47,8 +47,8 @@ def test_on_rendered_pictures_the_error_is_far_below_the_published_law_s_and_so_
     published, anticipated = (
         run_experiment(experiment, profile, "in-process", duration_s=8.0) for profile in ("paper", "anticipate")
     )
-    assert abs(published.metrics.standing_error_m) > 0.05
-    assert abs(anticipated.metrics.standing_error_m) < 0.005
+    assert abs(published.metrics.steady_state_error_m) > 0.05
+    assert abs(anticipated.metrics.steady_state_error_m) < 0.005
     assert anticipated.metrics.overshoot_m < 0.020
     assert anticipated.metrics.rms_jerk_mps3 < published.metrics.rms_jerk_mps3
 
@@ -84,11 +84,11 @@ def wrong_drive_model(config):
 
 
 @pytest.mark.parametrize("which", ["line", "circle"])
-def test_a_wrong_model_of_the_own_drive_leaves_no_standing_error(which):
+def test_a_wrong_model_of_the_own_drive_leaves_no_steady_state_error(which):
     """In the steady state commands do not change, so neither latency nor lag counts; on the way it
     costs some overshoot."""
     figures = evaluate(played(which, configure=wrong_drive_model))
-    assert abs(figures.standing_error_m) < 0.002
+    assert abs(figures.steady_state_error_m) < 0.002
     assert figures.overshoot_m < 0.05
 
 
@@ -112,7 +112,7 @@ def slow_wheels(which):
 def test_wheels_that_cannot_do_what_they_are_told_only_cost_time():
     """Told 0.6 m/s they reach 0.35 m/s: dead reckoning is wrong all the way, and right again at the leader's speed."""
     figures = evaluate(played("line", spec=slow_wheels("line")))
-    assert abs(figures.standing_error_m) < 0.002
+    assert abs(figures.steady_state_error_m) < 0.002
 
 
 def tell_odometry(world, robot, driver):
@@ -152,7 +152,7 @@ def test_odometry_that_falls_silent_leaves_it_as_good_as_it_is_without():
             tell_odometry(world, robot, driver)
 
     figures = evaluate(played("line", tell=until_three_seconds))
-    assert abs(figures.standing_error_m) < 0.002
+    assert abs(figures.steady_state_error_m) < 0.002
     assert figures.overshoot_m < 0.020
 
 
@@ -166,7 +166,7 @@ def test_odometry_that_measures_two_percent_too_much_costs_a_millimetre():
             world.utime, core.Twist(linear_mps=1.02 * twist.linear_mps, angular_radps=1.02 * twist.angular_radps)
         )
 
-    assert 0.0005 < evaluate(played("line", tell=two_percent_too_much)).standing_error_m < 0.0015
+    assert 0.0005 < evaluate(played("line", tell=two_percent_too_much)).steady_state_error_m < 0.0015
 
 
 def test_the_same_seed_gives_the_same_run_bit_for_bit():

@@ -68,7 +68,7 @@ def last_quarter(values):
 
 def test_on_the_line_the_distance_settles_where_the_law_says(line):
     expected_m, _ = standing_state("line", 0.0)
-    assert expected_m < -0.02, "the paper's law has a standing error behind a moving leader, or this tests nothing"
+    assert expected_m < -0.02, "the paper's law has a steady-state error behind a moving leader, or this tests nothing"
     error_m = line.recording.meta.distance_setpoint_m - last_quarter(line.recording.true_distance_m)
     assert np.abs(error_m - expected_m).max() < 0.05
 

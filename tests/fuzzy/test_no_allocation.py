@@ -9,9 +9,11 @@ from compiled import ROOT, compile_program
 
 @pytest.fixture(scope="module")
 def counter(tmp_path_factory):
-    room = sorted((ROOT / "src" / "fuzzy").glob("*.cpp"))  # the room knows nothing else, so it compiles as it stands
+    module = sorted(
+        (ROOT / "src" / "fuzzy").glob("*.cpp")
+    )  # the module knows nothing else, so it compiles as it stands
     source = Path(__file__).with_name("allocation_counter.cpp")
-    return compile_program(tmp_path_factory.mktemp("allocations"), [source, *room], "-O1", f"-I{ROOT / 'include'}")
+    return compile_program(tmp_path_factory.mktemp("allocations"), [source, *module], "-O1", f"-I{ROOT / 'include'}")
 
 
 @pytest.mark.parametrize("sets", ["ordered", "bells"])

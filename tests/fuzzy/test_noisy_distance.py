@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pilotfish import control, fuzzy
-from pilotfish.noisy_following import at_standing_error, follow_noisily, mean_of_runs
+from pilotfish.noisy_following import at_steady_state_error, follow_noisily, mean_of_runs
 
 SEEDS = range(2)
 
@@ -38,12 +38,12 @@ def test_the_first_measurement_has_no_change_and_so_no_width_of_it(controller):
 
 
 @pytest.mark.parametrize("sigma_m", [0.02, 0.03])
-def test_at_long_range_inputs_of_one_sigma_calm_the_law_at_the_same_standing_error(controller, sigma_m):
+def test_at_long_range_inputs_of_one_sigma_calm_the_law_at_the_same_steady_state_error(controller, sigma_m):
     # Measured: the frame-to-frame change of the wanted speed falls to 0.31 (20 mm) and 0.32 (30 mm) of that with
     # singletons, the spread of the distance to 0.54 and 0.39.
     singleton = mean_of_runs(controller, control.FuzzyVelocityConfig(), sigma_m, SEEDS)
-    wide, scale_m = at_standing_error(controller, 1.0, singleton.standing_error_m, sigma_m, SEEDS)
-    assert wide.standing_error_m == pytest.approx(singleton.standing_error_m, rel=0.01)
+    wide, scale_m = at_steady_state_error(controller, 1.0, singleton.steady_state_error_m, sigma_m, SEEDS)
+    assert wide.steady_state_error_m == pytest.approx(singleton.steady_state_error_m, rel=0.01)
     assert 0.4 < scale_m < 0.8
     assert wide.wanted_change_rms_mps < 0.45 * singleton.wanted_change_rms_mps
     assert wide.command_change_rms_mps < singleton.command_change_rms_mps

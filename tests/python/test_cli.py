@@ -143,7 +143,7 @@ def test_a_short_sequence_is_rendered(tmp_path):
 def test_an_experiment_prints_its_table_and_leaves_its_files(tmp_path):
     result, said = run("experiment", "circle", "--in-process", "--duration-s", "1", "--out", tmp_path)
     assert result.exit_code == 0, said
-    assert "standing distance error" in said
+    assert "steady-state distance error" in said
     each = ("circle_{}.csv", "circle_{}_distance_error.png", "circle_{}_paths.png")
     names = {name.format(profile) for profile in ("paper", "anticipate") for name in each}
     assert {file.name for file in tmp_path.iterdir()} == names | {"comparison.png"}

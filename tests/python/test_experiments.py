@@ -57,8 +57,8 @@ def test_behind_a_straight_leader_the_error_stands_where_the_law_commands_the_le
     """In the steady state nothing turns and both drive at one speed: velocity_scale u(e*, 0) = 0.2 m/s."""
     config = load_coordinator(line.scenario.robot().coordinator_file).coordinator
     predicted_m = brentq(lambda error_m: speed_mps(config, error_m) - LEADER_MPS, -0.5, 0.0)
-    assert line.metrics.standing_error_m == pytest.approx(predicted_m, abs=0.003)
-    assert -0.190 < line.metrics.standing_error_m < -0.046
+    assert line.metrics.steady_state_error_m == pytest.approx(predicted_m, abs=0.003)
+    assert -0.190 < line.metrics.steady_state_error_m < -0.046
 
 
 def test_behind_a_circling_leader_the_bearing_lags_by_turn_rate_over_gain(circle):
@@ -87,8 +87,8 @@ def test_behind_a_circling_leader_the_error_stands_where_geometry_and_law_meet(c
         return speed_mps(config, error_m) - turn_radps * radius_m
 
     predicted_m = brentq(surplus_mps, -0.3, 0.0)
-    assert circle.metrics.standing_error_m == pytest.approx(predicted_m, abs=0.003)
-    assert -0.190 < circle.metrics.standing_error_m < -0.046
+    assert circle.metrics.steady_state_error_m == pytest.approx(predicted_m, abs=0.003)
+    assert -0.190 < circle.metrics.steady_state_error_m < -0.046
 
 
 def test_on_the_line_the_bearing_is_kept_within_a_degree(line):
@@ -104,11 +104,11 @@ def test_the_table_shows_every_figure_of_both(line, circle):
         "Fig. 6",
         "Leader on a circle",
         "Fig. 7",
-        "standing distance error",
+        "steady-state distance error",
         "2.44",
     ):
         assert words in said
-    assert f"{1000 * line.metrics.standing_error_m:+.0f} mm" in said
+    assert f"{1000 * line.metrics.steady_state_error_m:+.0f} mm" in said
     assert f"{circle.metrics.mean_bearing_error_deg:+.2f}°" in said
 
 

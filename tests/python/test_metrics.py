@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_run import exponential_run, synthetic_run
 
-from pilotfish.metrics import evaluate, overshoot_m, settling_time_s, standing_error_m, steady_window
+from pilotfish.metrics import evaluate, overshoot_m, settling_time_s, steady_state_error_m, steady_window
 
 
 def test_the_steady_window_is_the_last_quarter_of_the_run():
@@ -19,18 +19,18 @@ def test_the_steady_window_is_the_last_quarter_of_the_run():
     np.testing.assert_array_equal(steady_window(time_s + 100.0), time_s >= 6.0)
 
 
-def test_the_standing_error_is_the_mean_of_the_steady_window_and_of_nothing_before():
+def test_the_steady_state_error_is_the_mean_of_the_steady_window_and_of_nothing_before():
     # Samples at 6, 7, 8 s: (-0.11 - 0.10 - 0.06) / 3 = -0.09.
     error_m = np.array([9.0, 9.0, 9.0, 9.0, 9.0, 9.0, -0.11, -0.10, -0.06])
-    assert standing_error_m(np.arange(9.0), error_m) == pytest.approx(-0.09, abs=1e-12)
+    assert steady_state_error_m(np.arange(9.0), error_m) == pytest.approx(-0.09, abs=1e-12)
 
 
-def test_the_rms_counts_the_standing_error():
+def test_the_rms_counts_the_steady_state_error():
     # Steady window: 0.03 and 0.05 alternate, so the mean is 0.04 and the RMS sqrt((9 + 25) / 2) / 100 =
     # 0.041231.
     time_s = np.arange(8.0)
     metrics = evaluate(synthetic_run(time_s, [1, 1, 1, 1, 1, 1, 0.03, 0.05]))
-    assert metrics.standing_error_m == pytest.approx(0.04, abs=1e-12)
+    assert metrics.steady_state_error_m == pytest.approx(0.04, abs=1e-12)
     assert metrics.rms_error_m == pytest.approx(np.sqrt(17.0) / 100.0, abs=1e-12)
 
 
@@ -115,13 +115,13 @@ def test_a_run_without_a_setpoint_is_refused():
 
 @settings(derandomize=True, max_examples=50, deadline=None)
 @given(st.lists(st.floats(-3, 3), min_size=25, max_size=60), st.floats(-1, 1))
-def test_shifting_the_error_shifts_the_standing_error_and_leaves_the_settling_time(error, shift):
+def test_shifting_the_error_shifts_the_steady_state_error_and_leaves_the_settling_time(error, shift):
     time_s = np.arange(len(error)) / 3.0
     # On a grid of 1/1024 m both series are exact, so no sample can change sides of the band by rounding.
     error_m = np.round(np.array(error) * 1024) / 1024
     shift = round(shift * 1024) / 1024
-    standing = standing_error_m(time_s, error_m)
-    assert standing_error_m(time_s, error_m + shift) == pytest.approx(standing + shift, abs=1e-12)
+    standing = steady_state_error_m(time_s, error_m)
+    assert steady_state_error_m(time_s, error_m + shift) == pytest.approx(standing + shift, abs=1e-12)
     near_the_edge = np.abs(np.abs(error_m - standing) - 0.05) < 1e-12
     if not near_the_edge.any():
         assert settling_time_s(time_s, error_m + shift) == settling_time_s(time_s, error_m)
@@ -132,7 +132,7 @@ def test_shifting_the_error_shifts_the_standing_error_and_leaves_the_settling_ti
 def test_after_the_settling_time_the_error_never_leaves_the_band(error):
     time_s, error_m = np.arange(len(error)) / 3.0, np.array(error)  # 8 s and more: the last quarter is 2 s
     settled_s = settling_time_s(time_s, error_m)
-    inside = np.abs(error_m - standing_error_m(time_s, error_m)) <= 0.05
+    inside = np.abs(error_m - steady_state_error_m(time_s, error_m)) <= 0.05
     if settled_s is None:
         assert not inside[steady_window(time_s)].all()
     else:

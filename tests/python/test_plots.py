@@ -26,11 +26,11 @@ def colours_of(file) -> int:
     return len(np.unique(np.asarray(Image.open(file).convert("RGB")).reshape(-1, 3), axis=0))
 
 
-def test_the_distance_error_is_drawn_with_its_standing_error(tmp_path):
+def test_the_distance_error_is_drawn_with_its_steady_state_error(tmp_path):
     figure = draw_distance_error(exponential_run(), "A line")
     assert {"A line", "distance error e [m]", "distance d [m]", "time [s]"} <= labels(figure)
     legend = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-    assert "standing error -100 mm" in legend
+    assert "steady-state error -100 mm" in legend
     assert "settled after 4.9 s" in legend
     assert colours_of(save(figure, tmp_path / "error.png")) > 20
 

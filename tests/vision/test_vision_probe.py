@@ -1,4 +1,4 @@
-"""What Python cannot see of the room: memory that it asks for, and memory that it must not touch.
+"""What Python cannot see of the module: memory that it asks for, and memory that it must not touch.
 
 tests/probes/vision_probe.cpp is built with the release (scripts/build says PILOTFISH_TESTS=ON) and once more with
 AddressSanitizer and UBSan, in a build folder of its own: some minutes of one core the first time, nothing after that.

@@ -19,7 +19,7 @@ struct TextFile {
   std::string text;            ///< what it says
 };
 
-/// The only way in which this room reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError
+/// The only way in which this module reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError
 /// with the key that named the file.
 TextFile read_text_file(const std::filesystem::path& path, const std::string& key = "file");
 

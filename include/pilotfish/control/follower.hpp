@@ -81,7 +81,7 @@ struct FollowerOutput {
   AnnouncementUse announcement = AnnouncementUse::silent;   ///< what the leader's word was worth
 };
 
-/// The way into this room: Observation in, Twist out. Time comes from the observations.
+/// The way into this module: Observation in, Twist out. Time comes from the observations.
 ///
 ///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
 ///   anticipate  own commands, odometry --> OwnMotion --+

@@ -69,7 +69,7 @@ struct Sight {
   Reason reason = Reason::none;            ///< Reason.none with an observation, else why there is none
 };
 
-/// The way into this room: Frame in, Observation out.
+/// The way into this module: Frame in, Observation out.
 ///
 ///     the motion so far --> look at each tag where it must be -----+
 ///          | nothing                                               |

@@ -1,4 +1,4 @@
-"""The way into this room: sightings in, a leader's body out, with how well each tag's place on it is known."""
+"""The way into this module: sightings in, a leader's body out, with how well each tag's place on it is known."""
 
 from __future__ import annotations
 

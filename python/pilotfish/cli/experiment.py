@@ -39,7 +39,7 @@ def experiment(
       pilotfish experiment line                    the table for Fig. 6
       pilotfish experiment both --out out          with recordings and pictures
       pilotfish experiment circle --in-process     without programs and bus
-      pilotfish experiment line --law pid          with a peer of the fuzzy law
+      pilotfish experiment line --law pid          with a baseline of the fuzzy law
     """
     from pilotfish.cli.pictures import save_comparison, save_result
     from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment

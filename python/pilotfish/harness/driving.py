@@ -14,10 +14,10 @@ BASELINES = tuple(law.name for law in control.built_in_laws())
 
 @dataclass(frozen=True)
 class Driving:
-    """By name: a profile of the fuzzy law (``paper``, ``anticipate``) or a peer (``pbvs``, ``pid``)."""
+    """By name: a profile of the fuzzy law (``paper``, ``anticipate``) or a baseline (``pbvs``, ``pid``)."""
 
     name: str = "anticipate"
-    tuning: Path | None = None  # parameters of the law, as ``pilotfish tune`` writes them; a peer has shipped ones
+    tuning: Path | None = None  # parameters of the law, as ``pilotfish tune`` writes them; a baseline has shipped ones
 
     def __post_init__(self) -> None:
         if self.name not in PROFILES + BASELINES:
@@ -31,7 +31,7 @@ class Driving:
 
     @property
     def tuning_file(self) -> Path | None:
-        """What is read: the given one, or for a peer the shipped one."""
+        """What is read: the given one, or for a baseline the shipped one."""
         return self.tuning or self._shipped_tuning()
 
     def _shipped_tuning(self) -> Path | None:

@@ -169,7 +169,7 @@ class AprilTagDetector {
 
 }  // namespace
 
-PYBIND11_MODULE(bench_vision_peers, m) {
+PYBIND11_MODULE(bench_vision_baselines, m) {
   m.doc() = "ViSP's and libapriltag's detection and pose, timed where they run.";
   py::class_<Look>(m, "Look", "All tags of one image, and the time it took to find them and their poses.")
       .def_readonly("tags", &Look::tags, "list of (id, cMt (4, 4))")

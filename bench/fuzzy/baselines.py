@@ -1,4 +1,4 @@
-"""The same controller in the peers' own words: pyfuzzylite, scikit-fuzzy, and a table of values."""
+"""The same controller in the baselines' own words: pyfuzzylite, scikit-fuzzy, and a table of values."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""The peers behind one face: `name`, and look(image, utime) -> Answer. Each is tuned as its authors would.
+"""The baselines behind one face: `name`, and look(image, utime) -> Answer. Each is tuned as its authors would.
 
 Pixels. ViSP's and AprilTag's corners have pixel centres at +0.5, as has OpenCV's own copy of AprilTag's corner
-refinement; OpenCV's other refinements have them at whole numbers, as Pilotfish. Each peer gets the principal point in
-ITS convention (measured: the mean offset of its corners from the truth is below 0.05 px then), so nobody is
+refinement; OpenCV's other refinements have them at whole numbers, as Pilotfish. Each baseline gets the principal point
+in ITS convention (measured: the mean offset of its corners from the truth is below 0.05 px then), so nobody is
 handicapped.
 
-One thread each. Where the library is C++ it is called, and timed, in C++ (peers.cpp); the wheels are timed around the
-call, in a process of their own (wheels.py).
+One thread each. Where the library is C++ it is called, and timed, in C++ (baselines.cpp); the wheels are timed around
+the call, in a process of their own (wheels.py).
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from types import ModuleType
 import numpy as np
 
 from bench.vision.answers import Answer
-from bench.vision.compiled import PeersError
+from bench.vision.compiled import BaselinesError
 from bench.vision.lens import visp_coefficients
 from pilotfish import core
 
 
 @dataclass(frozen=True)
 class Target:
-    """The tag that a peer shall find."""
+    """The tag that a baseline shall find."""
 
     tag_id: int
     size_m: float
@@ -43,7 +43,7 @@ def intrinsics_of(camera: core.CameraModel, pixel_centre: float) -> dict[str, fl
 
 
 class _Compiled:
-    """A peer of peers.cpp."""
+    """A baseline of baselines.cpp."""
 
     def __init__(self, name: str, detector: object, target: Target):
         self.name, self._detector, self._target = name, detector, target
@@ -71,7 +71,7 @@ def apriltag(compiled: ModuleType, camera: core.CameraModel, target: Target) -> 
 
 
 class Wheels:
-    """The peers from PyPI, in a process of their own: the AprilTag wheel brings a libapriltag.so.3 that the dynamic
+    """The baselines from PyPI, in a process of their own: the AprilTag wheel brings a libapriltag.so.3 that the dynamic
     linker would otherwise merge with Debian's, whichever is loaded first, and Pilotfish or the wheel would run on the
     other's code. The process works only while it is asked."""
 
@@ -86,7 +86,7 @@ class Wheels:
         self._made = 0
         versions = self._pipe.recv()
         if isinstance(versions, Exception):
-            raise PeersError(f"{versions}; scripts/bench vision makes the environment with it")
+            raise BaselinesError(f"{versions}; scripts/bench vision makes the environment with it")
         self.versions: dict[str, str] = versions
 
     def __enter__(self) -> Wheels:
