@@ -1,6 +1,7 @@
 #include "encoding.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <pilotfish/command_t.hpp>
 
@@ -38,14 +39,10 @@ std::vector<counter_t> encode(const Counters& counters, std::size_t at_most, std
                                              [](std::size_t sum, const counter_t& c) { return sum + size_of(c); });
     return page.size() <= count && used <= room_bytes;
   };
-  std::int64_t total = 0;
-  for (const auto& [name, count] : counters) {
-    pages[0].push_back({name.substr(0, kMaxCounterName), count});
-    total += count;
-  }
+  for (const auto& [name, count] : counters) pages[0].push_back({name.substr(0, kMaxCounterName), count});
   if (fits(pages[0], at_most, size_bytes)) return pages[0];
 
-  counter_t others{"others", total};
+  counter_t others{"others", 0};
   const std::vector<counter_t> all = std::exchange(pages[0], {});
   for (const counter_t& counter : all) {
     pages.back().push_back(counter);
@@ -54,7 +51,11 @@ std::vector<counter_t> encode(const Counters& counters, std::size_t at_most, std
     pages.push_back({counter});
   }
   std::vector<counter_t>& page = pages[turn % pages.size()];
-  for (const counter_t& shown : page) others.count -= shown.count;
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();  // where their sum stops
+  for (const std::vector<counter_t>& other : pages)
+    if (&other != &page)
+      for (const counter_t& hidden : other)
+        others.count = others.count > kMost - hidden.count ? kMost : others.count + hidden.count;
   page.push_back(others);
   return page;
 }

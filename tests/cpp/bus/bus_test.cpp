@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <limits>
 #include <type_traits>
 
 #include "pilotfish/bus/log_reader.hpp"
@@ -92,6 +92,19 @@ TEST(Bus, BelievesAStopOfAnotherKeyAndNoNumberInIt) {
   EXPECT_FALSE(heard[0].setpoint.run);
   EXPECT_EQ(heard[0].counter, 0);
   EXPECT_EQ(heard[1].counter, 8);
+}
+
+TEST(Bus, AddsUpMoreThanAnInt64OfWhatDoesNotFit) {
+  Bus bus("memq://");
+  std::optional<StatusReport> heard;
+  bus.on_status("robot1", [&](const StatusReport& report) { heard = report; });
+  StatusReport report;
+  const std::int64_t half = std::int64_t{1} << 62;  // two of them are 2^63
+  for (int i = 100; i < 300; ++i) report.rejected["a_reason_to_refuse_" + std::to_string(i)] = half;
+  bus.publish("robot1", report);
+  bus.handle(1000);
+  ASSERT_TRUE(heard.has_value());
+  EXPECT_EQ(heard->rejected.at("others"), std::numeric_limits<std::int64_t>::max());
 }
 
 TEST(Bus, ShowsWhatItPublishedToItsTap) {

@@ -156,6 +156,15 @@ TEST(RobotName, IsOneWordOfUpTo32Letters) {
     EXPECT_EQ(refused_key([&] { check_robot_name(bad, "leader.name"); }), "leader.name") << bad;
 }
 
+TEST(RobotName, IsRefusedInWordsThatAZeroDoesNotCutOff) {
+  try {
+    check_robot_name(std::string("rob\0t", 5), "name");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("letters, digits and underscores"), std::string::npos) << error.what();
+  }
+}
+
 TEST(RobotName, IsTheSameChannelInCapitalsAndInSmallLetters) {
   EXPECT_EQ(channel_word("robot_1"), "ROBOT_1");
   EXPECT_EQ(channel_word("Robot_1"), channel_word("rOBOT_1"));
