@@ -117,7 +117,7 @@ void bind_announcement(py::module_& m) {
       .value("suspended", AnnouncementUse::suspended);
   py::class_<AnnouncedMotion>(m, "AnnouncedMotion", "The twist a leader announces of itself, and what it is worth.")
       .def(py::init<const AnnouncementConfig&>(), py::arg("config") = AnnouncementConfig{},
-           "ConfigError is raised by AnnouncementConfig; nothing else can be wrong.")
+           "config: AnnouncementConfig. Nothing has been heard yet.")
       .def("announce", &AnnouncedMotion::announce, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
       .def(
           "judge",
