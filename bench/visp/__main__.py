@@ -79,7 +79,7 @@ def _times(rows: list[Figures], title: str) -> Table:
 
 
 def _errors(rows: list[Figures], title: str) -> Table:
-    caption = f"RMS of translation, its mean, RMS of rotation without flips: those more than {FLIPPED_DEG:g} deg off"
+    caption = f"RMS and mean of translation; RMS of rotation but for flips (> {FLIPPED_DEG:g} deg)"
     headings = ("seen", "mm", "mean x, y, z, mm", "deg", "flips")
     table = _table(f"{title}: errors", caption, headings)
     for row in rows:
