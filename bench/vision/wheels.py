@@ -1,5 +1,5 @@
-"""Baselines from PyPI: the newest AprilTag and OpenCV's ArUco. Runs in a process of its own (baselines.Wheels says why) and
-so imports nothing of Pilotfish."""
+"""Baselines from PyPI: the newest AprilTag and OpenCV's ArUco. Runs in a process of its own (baselines.Wheels says
+why) and so imports nothing of Pilotfish."""
 
 from __future__ import annotations
 
