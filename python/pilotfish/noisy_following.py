@@ -74,8 +74,8 @@ def at_steady_state_error(
     A wide B' fires rules for leaders that come and leave as well, and the table answers the two unequally: the
     steady-state error grows. A smaller scale takes that back, at the price of a steeper law, and only then are two
     widths comparable. Returns what came of it and the scale; None if no scale does it, because A', as wide as the
-    noise, then takes up the universe. The steady-state error is about proportional to the scale, so steps of proportion find
-    it.
+    noise, then takes up the universe. The steady-state error is about proportional to the scale, so steps of
+    proportion find it.
     """
     scale_m = control.FuzzyVelocityConfig().error_scale_m
     for _ in range(8):
