@@ -11,7 +11,8 @@ import yaml
 
 from pilotfish.cli.console import console, friendly_errors
 from pilotfish.cli.options import between
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, PilotfishError
+from pilotfish.files import read_text
 
 
 def plot(
@@ -95,8 +96,8 @@ def _draw_fuzzy(file: Path, out: Path, *_: object) -> list[Path]:
 def _other_kind(file: Path) -> str | None:
     """What a YAML file is that is no fuzzy controller, by the keys that every file of its kind has."""
     try:
-        keys = set(yaml.safe_load(file.read_text()))
-    except (yaml.YAMLError, UnicodeDecodeError, TypeError):
+        keys = set(yaml.safe_load(read_text(file)))
+    except (yaml.YAMLError, PilotfishError, TypeError, RecursionError):
         return None
     kinds = {"robots": "a scenario", "camera": "a coordinator's configuration", "tags": "a leader's body"}
     return next((kind for key, kind in kinds.items() if key in keys), None)
