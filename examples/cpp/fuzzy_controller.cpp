@@ -2,6 +2,7 @@
 // Needs nothing but the standard library.
 
 #include <cstdio>
+#include <limits>
 #include <pilotfish/fuzzy/mamdani.hpp>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace fuzzy = pilotfish::fuzzy;
 /// Triangles whose feet stand under the neighbours' peaks, and open shoulders at both ends.
 fuzzy::LinguisticVariable variable(const std::string& name, const std::vector<std::string>& labels,
                                    const std::vector<double>& peaks, bool open) {
-  constexpr double kFar = 1.0 / 0.0;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
   fuzzy::LinguisticVariable result{name, -1.0, 1.0, {}};
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const double peak = peaks[i];

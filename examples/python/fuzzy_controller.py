@@ -34,7 +34,7 @@ controller = fuzzy.Controller(
     ),
     error_change=variable("EC", SEVEN, PEAKS, shoulders=True),
     output=variable("U", SEVEN, PEAKS, shoulders=False),
-    rules=[[SEVEN[consequent(row, column)] for column in range(7)] for row in range(8)],
+    rules=fuzzy.RuleBase([[consequent(row, column) for column in range(7)] for row in range(8)]),
 )
 
 gap_m, last_error_m = 1.8, -0.8

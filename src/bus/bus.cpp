@@ -44,7 +44,7 @@ struct Destroy {
 
 std::string channel(const std::string& robot, const std::string& what) {
   check_robot_name(robot, "name");
-  const std::string name = channel_word(robot) + "_" + what;
+  std::string name = channel_word(robot) + "_" + what;
   check_channel_name(name);
   return name;
 }

@@ -82,11 +82,11 @@ def test_a_name_that_yaml_would_take_for_something_else_stays_a_name(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "exit_code", "wrong"),
     [
-        (["--tag-size", "large"], 2, "'large' is not a number of metres"),
-        (["--tag-size", "7=-0.1"], 2, "0.005 to 5 metres"),
-        (["--tag-size", "0.16", "--tag-size", "0.10"], 2, "several sizes"),
-        (["--tag-size", "0.16", "--height-of", "0.3"], 2, "ID=METRES"),
-        (["--tag-size", "0.16", "--reference-position", "0", "0", "0"], 2, "--reference-tag ID"),
+        (["--tag-size", "large"], 64, "'large' is not a number of metres"),
+        (["--tag-size", "7=-0.1"], 64, "0.005 to 5 metres"),
+        (["--tag-size", "0.16", "--tag-size", "0.10"], 64, "several sizes"),
+        (["--tag-size", "0.16", "--height-of", "0.3"], 64, "ID=METRES"),
+        (["--tag-size", "0.16", "--reference-position", "0", "0", "0"], 64, "--reference-tag ID"),
         (["--tag-size", "0.16", "--family", "tag99"], 78, "leader.family"),
         (["--tag-size", "1=0.12"], 65, "--tag-size 0=METRES"),
     ],

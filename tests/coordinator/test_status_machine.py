@@ -185,7 +185,7 @@ def test_a_longer_life_of_measurements_needs_a_speed_that_keeps_the_blind_travel
     for max_age_s, forward_mps, reverse_mps in [(0.2, 0.31, 0.1), (0.11, 0.6, 0.1), (0.2, 0.3, 0.31)]:
         with pytest.raises(ValueError, match=r"safety\.max_age_s: .* blind travel"):
             coordinator.Coordinator(config_with(max_age_s, forward_mps, reverse_mps))
-    with pytest.raises(ValueError, match=r"safety\.max_age_s: 0\.26 is outside \[0, 0\.25\]"):
+    with pytest.raises(ValueError, match=r"max_age_s: 0\.26 is outside \[0, 0\.25\]"):
         coordinator.Coordinator(config_with(0.26, 0.1))
 
 

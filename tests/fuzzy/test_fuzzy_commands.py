@@ -108,9 +108,9 @@ def test_convert_there_and_back_changes_nothing(controller, tmp_path):
         (["explain", SHIPPED, "--e", "0", "--width-error", "-1"], "--width-error"),
     ],
 )
-def test_a_wrong_command_line_ends_with_2_and_says_which_word_is_wrong(arguments, wrong):
+def test_a_wrong_command_line_ends_with_64_and_says_which_word_is_wrong(arguments, wrong):
     code, said = run(*arguments)
-    assert code == 2
+    assert code == 64
     assert wrong in said
 
 
@@ -118,7 +118,7 @@ def test_a_wrong_command_line_ends_with_2_and_says_which_word_is_wrong(arguments
 @pytest.mark.parametrize("value", ["nan", "inf"])
 def test_nobody_can_say_why_of_what_is_no_number(option, value):
     code, said = run("explain", SHIPPED, "--e", "0.1", option, value)
-    assert code == 2
+    assert code == 64
     assert f"{value} is not a number" in said
 
 
