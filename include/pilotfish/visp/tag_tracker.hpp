@@ -44,8 +44,8 @@ class TagTracker {
   /// `family`: one of vision::TagFamily's names. Throws ConfigError ("leader.family") if it is none.
   explicit TagTracker(const std::string& family = "tag36h11");
   ~TagTracker();
-  TagTracker(TagTracker&&) noexcept;
-  TagTracker& operator=(TagTracker&&) noexcept;
+  TagTracker(TagTracker&&) noexcept;             ///< the tags that are followed move along
+  TagTracker& operator=(TagTracker&&) noexcept;  ///< the tags that are followed move along
 
   /// The whole picture is searched on one that is this much smaller: 1 (default), 1.5, 2, 3 or 4. Throws ConfigError on
   /// others. Tags that are followed are always measured at full size.
@@ -72,15 +72,19 @@ class TagTracker {
   /// its corners. Throws as detect() does.
   bool getPose(std::size_t i, double tag_size, const vpCameraParameters& cam, vpHomogeneousMatrix& cMo);
 
+  /// Number of tags in the last picture.
   std::size_t getNbObjects() const;
+  /// Their ids.
   std::vector<int> getTagsId() const;
   /// Per tag its corners [px]: bottom left, bottom right, top right, top left, as one reads it.
   std::vector<std::vector<vpImagePoint>> getTagsCorners() const;
-  /// One tag's corners, message ("36h11 id: 3"), bounding box and centre of gravity [px]; std::out_of_range if there is
-  /// no such tag.
+  /// The corners of tag `i` [px], as in getTagsCorners(); std::out_of_range if there is no such tag.
   std::vector<vpImagePoint> getPolygon(std::size_t i) const;
+  /// Its family and id, "36h11 id: 3"; std::out_of_range if there is no such tag.
   std::string getMessage(std::size_t i) const;
+  /// The upright rectangle around its corners [px]; std::out_of_range if there is no such tag.
   vpRect getBBox(std::size_t i) const;
+  /// The mean of its corners [px]; std::out_of_range if there is no such tag.
   vpImagePoint getCog(std::size_t i) const;
 
   /// Forgets all tags and the camera: the next picture is searched as the first one.
