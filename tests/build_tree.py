@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import fcntl
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from pilotfish import core
@@ -35,14 +37,21 @@ def run(*command: object) -> str:
     return done.stdout
 
 
+@contextmanager
+def one_at_a_time(folder: Path) -> Iterator[None]:
+    """Makes the folder; tests run in several processes, and only one of them builds in it at a time."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
 def build_sanitized(*targets: str) -> Path:
     """The folder tests/ of a build with AddressSanitizer and UBSan, in which these targets are up to date.
 
-    Some minutes of one core the first time, nothing after that. One test at a time: they run in several processes.
+    Some minutes of one core the first time, nothing after that.
     """
-    SANITIZED.mkdir(parents=True, exist_ok=True)
-    with (SANITIZED / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with one_at_a_time(SANITIZED):
         if not (SANITIZED / "build.ninja").exists():
             run("cmake", "-S", ROOT, "-B", SANITIZED, "-G", "Ninja", *_SANITIZERS)
         run("cmake", "--build", SANITIZED, "--target", *targets)

@@ -80,7 +80,7 @@ std::string YamlSection::degrees_key(const std::string& key) {
   return is_angle(key) ? key.substr(0, key.size() - 3) + "deg" : std::string();
 }
 
-std::string YamlSection::dotted(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+std::string YamlSection::dotted(const std::string& key) const { return pilotfish::dotted(path_, key); }
 
 ConfigError YamlSection::error(const std::string& key, const std::string& problem) const {
   return {dotted(key), problem + " (in " + file_.string() + ")"};

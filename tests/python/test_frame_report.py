@@ -19,7 +19,7 @@ SEEN = {
     "reprojection_error_px": 0.1,
     "ambiguity_ratio": 1e6,
     "heading_doubt": 1e-9,
-    "found_by": "prediction",
+    "found_by": "track",
     "tag_ids": [0, 2],
     "decision_margins": [150.0, 90.0],
     "corners_px": [[[1, 2], [3, 2], [3, 0], [1, 0]], [[11, 2], [13, 2], [13, 0], [11, 0]]],

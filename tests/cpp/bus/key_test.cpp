@@ -13,6 +13,7 @@
 #include <type_traits>
 
 #include "pilotfish/core/parameter.hpp"
+#include "refused_key.hpp"
 
 namespace {
 
@@ -48,12 +49,7 @@ class KeyFile {
 };
 
 std::string refused_key(const KeyFile& file) {
-  try {
-    load_key(file.path());
-  } catch (const ConfigError& error) {
-    return error.key();
-  }
-  return "nothing";
+  return tests::refused_key([&] { load_key(file.path()); });
 }
 
 TEST(Key, IsWipedWhenItGoes) {

@@ -9,6 +9,7 @@
 #include "memory_asked_for.hpp"
 #include "pilotfish/control/follower.hpp"
 #include "pilotfish/control/pid_law.hpp"
+#include "refused_key.hpp"
 
 namespace {
 
@@ -68,15 +69,7 @@ FollowerConfig driven_by(LawDescription law) {
   return config;
 }
 
-template <class Work>
-std::string refused_key(Work&& work) {
-  try {
-    work();
-  } catch (const ConfigError& error) {
-    return error.key();
-  }
-  return "nothing";
-}
+using tests::refused_key;
 
 TEST(DescribeLaw, TakesKeysBoundsAndDefaultsFromTheTable) {
   const LawDescription law = describe_law<OwnLaw, OwnConfig>("own", "My own");

@@ -8,6 +8,7 @@
 
 #include "even_controller.hpp"
 #include "memory_asked_for.hpp"
+#include "refused_key.hpp"
 
 namespace {
 
@@ -186,13 +187,8 @@ TEST(Coordinator, KeepsItsSetpointWhenItRefusesAnother) {
 }
 
 TEST(Coordinator, IsNotMadeOfWhatCannotWork) {
-  const auto refused_key = [](const CoordinatorConfig& wrong) {
-    try {
-      Coordinator{wrong};
-    } catch (const ConfigError& error) {
-      return error.key();
-    }
-    return std::string("nothing");
+  const auto refused_key = [](const CoordinatorConfig& given) {
+    return tests::refused_key([&] { Coordinator{given}; });
   };
   EXPECT_EQ(refused_key(config()), "nothing");
   CoordinatorConfig wrong = config();

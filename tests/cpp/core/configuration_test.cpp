@@ -6,6 +6,7 @@
 #include "pilotfish/core/robot_name.hpp"
 #include "pilotfish/core/sections.hpp"
 #include "pilotfish/core/setpoint.hpp"
+#include "refused_key.hpp"
 
 namespace {
 
@@ -49,16 +50,7 @@ static_assert(kHasParameters<Wheel> && !kHasSections<Wheel>);
 static_assert(!kHasParameters<Axle> && kHasSections<Axle>);
 static_assert(std::is_base_of_v<std::invalid_argument, ConfigError>);  // caught by who knows nothing of Pilotfish
 
-/// The key of the ConfigError that `work` throws; "nothing" if it throws none.
-template <class Work>
-std::string refused_key(Work&& work) {
-  try {
-    work();
-  } catch (const ConfigError& error) {
-    return error.key();
-  }
-  return "nothing";
-}
+using tests::refused_key;
 std::string refused_key(const Robot& robot, const std::string& section) {
   return refused_key([&] { check_tree(robot, section); });
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "refused_key.hpp"
 #include "tag_picture.hpp"
 
 namespace {
@@ -26,12 +27,7 @@ std::vector<int> found_in_picture_of(TagDetector& detector, int id) {
 }
 
 std::string refused_key(const std::string& family, const TagDetectorConfig& config) {
-  try {
-    TagDetector{family, config};
-  } catch (const ConfigError& error) {
-    return error.key();
-  }
-  return "nothing";
+  return tests::refused_key([&] { TagDetector{family, config}; });
 }
 
 TEST(TagDetector, PutsCornersBetweenPixels) {
