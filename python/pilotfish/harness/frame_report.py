@@ -29,7 +29,7 @@ class FrameReport:
     reprojection_error_px: float | None
     ambiguity_ratio: float | None
     heading_doubt: float | None  # probability that the heading is of the wrong one of the two solutions
-    found_by: str | None  # prediction, search: what found the tags
+    found_by: str | None  # track, region, frame: where the tags were found
     tag_ids: tuple[int, ...]
     decision_margins: tuple[float, ...]  # one a tag
     corners_px: NDArray[np.float64]  # (tags, 4, 2)
