@@ -1,6 +1,6 @@
 # What Pilotfish stands on, found by name: pilotfish_depend(apriltag "module vision") makes ${pilotfish_targets_apriltag}
-# usable, or says in pilotfish_missing which Debian package is missing. Installed beside pilotfishConfig.cmake, so that a build of Pilotfish and a project that
-# uses it look for the same things in the same way.
+# usable, or says in pilotfish_missing which Debian package is missing. Installed beside pilotfishConfig.cmake, so that a
+# build of Pilotfish and a project that uses it look for the same things in the same way.
 #
 # Per dependency: the targets to link (pilotfish_targets_<name>), the word for `Requires:` in a .pc file
 # (pilotfish_pc_<name>), and the Debian package (pilotfish_package_<name>).
