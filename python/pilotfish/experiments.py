@@ -81,7 +81,7 @@ def _runner(transport: str) -> Callable[..., Run]:
 def metrics_table(results: Sequence[Result]) -> Table:
     """One column an experiment, one row a figure; pilotfish.metrics defines each."""
     table = Table(title="Following by sight", title_justify="left", caption_justify="left")
-    table.caption = "e = d_p - d, positive: too close. Standing, RMS and bearing: over the last quarter of the run."
+    table.caption = "e = d_p - d, positive: too close. Steady state, RMS and bearing: over the last quarter of the run."
     table.add_column("")
     for result in results:
         table.add_column(f"{result.experiment.title}\n({result.experiment.figure}, {result.profile})", justify="right")
@@ -108,7 +108,7 @@ _ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
     ("final distance error", lambda r: _millimetres(r.metrics.final_error_m)),
     ("steady-state distance error", lambda r: _millimetres(r.metrics.steady_state_error_m)),
     ("RMS distance error", lambda r: _millimetres(r.metrics.rms_error_m).lstrip("+")),
-    ("settling to standing ±50 mm", _settling),
+    ("settling to steady state ±50 mm", _settling),
     ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),
     ("mean bearing error", lambda r: f"{r.metrics.mean_bearing_error_deg:+.2f}°"),
     ("RMS bearing error", lambda r: f"{r.metrics.rms_bearing_error_deg:.2f}°"),
