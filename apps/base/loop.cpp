@@ -12,7 +12,7 @@
 namespace pilotfish::apps {
 namespace {
 
-/// Another base of this name sends 20 times a second or more. Who begins while it runs hears it in this time.
+/// Another base of this name sends 20 times a second or more. Who begins while it runs receives it in this time.
 constexpr std::int64_t kListenFirst_us = 300'000;
 /// Two that begin together hear each other a little later.
 constexpr std::int64_t kYoung_us = 3'000'000;
@@ -41,9 +41,9 @@ class Loop {
         service_(service),
         period_us_(static_cast<std::int64_t>(1e6 / config.rate_hz)),
         started_(monotonic_now()) {
-    bus_.on_base(config_.robot, [this](const bus::BaseReport& report) { hear(report); });
-    bus_.on_command(config_.robot, [this](const bus::CommandReport& report) { hear(report); });
-    bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& report) { hear(report); });
+    bus_.on_base(config_.robot, [this](const bus::BaseReport& report) { receive(report); });
+    bus_.on_command(config_.robot, [this](const bus::CommandReport& report) { receive(report); });
+    bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& report) { receive(report); });
   }
 
   void run() {
@@ -65,23 +65,23 @@ class Loop {
   }
 
  private:
-  void hear(const bus::BaseReport& report) {
+  void receive(const bus::BaseReport& report) {
     if (report.session == base_.session()) return;
     ++foreign_bases_;
     const std::int64_t age_us = monotonic_now().us - started_.us;
     // Of two that begin together, the one with the smaller number stays.
     if (age_us < kListenFirst_us || (age_us < kYoung_us && report.session < base_.session())) another_ = true;
   }
-  void hear(const bus::CommandReport& report) {
+  void receive(const bus::CommandReport& report) {
     // Only these two statuses may move a robot, whatever else the message says.
     const bool may_move = report.status == Status::tracking || report.status == Status::coasting;
-    const base::CommandHeard command{report.session, report.counter, report.base_session,
-                                     may_move ? report.command : Twist{}, report.simulated};
-    if (base_.hear(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::obeyed) fresh_ = true;
+    const base::ReceivedCommand command{report.session, report.counter, report.base_session,
+                                        may_move ? report.command : Twist{}, report.simulated};
+    if (base_.receive(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::obeyed) fresh_ = true;
   }
-  void hear(const bus::SetpointReport& report) {
-    const base::SetpointHeard setpoint{report.session, report.counter, report.setpoint.run};
-    const base::LatchVerdict verdict = base_.hear(setpoint, monotonic_now());
+  void receive(const bus::SetpointReport& report) {
+    const base::ReceivedSetpoint setpoint{report.session, report.counter, report.setpoint.run};
+    const base::LatchVerdict verdict = base_.receive(setpoint, monotonic_now());
     if (verdict == base::LatchVerdict::resumed) spdlog::info("resumed by session {:x}", report.session);
   }
 
@@ -98,15 +98,15 @@ class Loop {
   }
 
   void step(MonotonicTime now) {
-    if (driver_.emergency_stop()) base_.hear(base::SetpointHeard{0, 0, false}, now);
+    if (driver_.emergency_stop()) base_.receive(base::ReceivedSetpoint{0, 0, false}, now);
     const std::string trouble = driver_.trouble(now);
     base_.driver_works(trouble.empty());
     const base::BaseOutput output = base_.step(now);
     const bool changed = output.state != last_.state || output.obeys != last_.obeys ||
-                         (output.told == Twist{} && !(last_told_ == Twist{}));
+                         (output.command == Twist{} && !(last_told_ == Twist{}));
     const bool due = next_period_ <= now;
     if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) tell(output, now);
-    if (const auto measured = driver_.take_measured()) hear(*measured);
+    if (const auto measured = driver_.take_measured()) receive(*measured);
     if (due || changed) report(output, trouble);
     if (changed) log(output, trouble, now);
     log_refusals(now);
@@ -115,13 +115,13 @@ class Loop {
   }
 
   void tell(const base::BaseOutput& output, MonotonicTime now) {
-    driver_.drive(output.told, now);
-    last_told_ = output.told;
+    driver_.drive(output.command, now);
+    last_told_ = output.command;
     last_line_ = now;
     fresh_ = false;
   }
 
-  void hear(const Measured& measured) {
+  void receive(const Measured& measured) {
     measured_ = measured.twist;
     if (!publish_) return;
     bus_.publish(config_.robot, bus::PoseReport{wall_utime(), measured.pose.x_m, measured.pose.y_m,
@@ -135,7 +135,7 @@ class Loop {
     report.session = base_.session();
     report.counter = ++counter_;
     report.obeys = output.obeys;
-    report.command = output.told;
+    report.command = output.command;
     report.measured = std::exchange(measured_, std::nullopt);
     report.stopped = base_.stopped();
     report.state = on_the_wire(output.state);

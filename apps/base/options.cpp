@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kExamples = R"(
 It obeys one sender of NAME_COMMAND, clamps speed, turn rate and acceleration once more, and tells the wheels zero by itself
-95 ms after the last good command. A stop (a setpoint_t on NAME_SETPOINT with run = false) is believed from anyone and
+95 ms after the last good command. A stop (a setpoint_t on NAME_SETPOINT with run = false) is accepted from anyone and
 lasts until the sender's session is resumed. What it does goes out on NAME_BASE, wheel odometry on NAME_POSE.
 
 Examples

@@ -15,7 +15,7 @@ constexpr int kHandle_ms = 50;
 
 /// Stamps from this date on (the year 2000) are taken for a wall clock's, which then says how old they are: a recording
 /// of any age must not pass for a camera. So are those of the next day. Others are of a clock of their own, of which
-/// only the order says something, or of a camera computer whose clock was never set. How much of an age is believed
+/// only the order says something, or of a camera computer whose clock was never set. How much of an age is accepted
 /// when, FrameTimeline decides. For each frame anew: what one frame says must not vouch for another.
 constexpr std::int64_t kFirstDate_utime = 946'684'800'000'000;
 constexpr double kNextDay_us = 86'400e6;
@@ -60,11 +60,11 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
     });
   if (config_.odometry)
     bus_.on_pose(config_.robot, [this](const bus::MotionReport& own) {
-      inbox_->put(ToldMotion{own.utime, own.twist, false});
+      inbox_->put(ReceivedMotion{own.utime, own.twist, false});
     });
-  if (!config_.announcements_from.empty())
-    bus_.on_motion(config_.announcements_from, [this](const bus::MotionReport& leader) {
-      inbox_->put(ToldMotion{leader.utime, leader.twist, true});
+  if (!config_.leader_intent_from.empty())
+    bus_.on_motion(config_.leader_intent_from, [this](const bus::MotionReport& leader) {
+      inbox_->put(ReceivedMotion{leader.utime, leader.twist, true});
     });
 }
 
@@ -99,7 +99,7 @@ void BusListener::hear_setpoint(const bus::SetpointReport& asked) {
     default: ++refused_setpoints_[std::string(to_string(decision.verdict))]; return;
   }
   kept_ = decision.setpoint;
-  inbox_->put(ToldSetpoint{kept_, gate_.last_counter(), sender_->stops_heard()});
+  inbox_->put(ReceivedSetpoint{kept_, gate_.last_counter(), sender_->stops_received()});
 }
 
 std::optional<std::int64_t> BusListener::rival_within(int milliseconds) {
@@ -120,7 +120,7 @@ void BusListener::run(const std::function<void(const std::string&)>& failed) {
   try {
     while (!stopping_) {
       bus_.handle(kHandle_ms);
-      note_refused();
+      count_refused();
     }
   } catch (const std::exception& error) {
     failed(error.what());
@@ -132,7 +132,7 @@ void BusListener::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void BusListener::note_refused() {
+void BusListener::count_refused() {
   const std::lock_guard lock(mutex_);
   for (const auto& [name, count] : bus_.rejected()) refused_[name] = count;
   for (const auto& [name, count] : refused_setpoints_) refused_[name] = count;

@@ -29,7 +29,7 @@ struct ListenerConfig {
   int width = 0, height = 0;  ///< of the pictures that can be used [px]
   bool simulated = false;     ///< stamps of images are no wall clock's
   bool odometry = false;
-  std::string announcements_from;  ///< empty: nobody
+  std::string leader_intent_from;  ///< empty: nobody
 };
 
 /// Everything that comes over the bus, on a thread of its own: it decides at once what makes the robot more careful (a
@@ -55,7 +55,7 @@ class BusListener {
   std::optional<Frame> decode(const bus::EncodedImage& image, std::int64_t age_us);
   void hear_setpoint(const bus::SetpointReport& asked);
   void run(const std::function<void(const std::string&)>& failed);
-  void note_refused();
+  void count_refused();
 
   const ListenerConfig config_;
   const std::shared_ptr<Inbox> inbox_;

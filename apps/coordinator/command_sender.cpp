@@ -43,7 +43,7 @@ CommandSender::~CommandSender() {
 HeldAnswer CommandSender::holds_at(MonotonicTime now, Reason reason) const {
   if (rival_ && now.us - rival_->us < kRivalFor_us)
     return {Status::invalid_input, Reason::another_coordinator, Twist{}};
-  if (stops_told_ < stops_heard_) return {Status::stopped, Reason::told_to_stop, Twist{}};
+  if (stops_applied_ < stops_received_) return {Status::stopped, Reason::stop_requested, Twist{}};
   return held_.at(now, reason);
 }
 
@@ -112,21 +112,21 @@ void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
   core_held_ = held;
   held_.run = held.run;
   if (!held.run || !held.holding) held_.holding = false;
-  stops_told_ = std::max(stops_told_, stops);
+  stops_applied_ = std::max(stops_applied_, stops);
 }
 
 std::int64_t CommandSender::stop_heard() {
   const std::lock_guard lock(mutex_);
-  ++stops_heard_;
+  ++stops_received_;
   held_.holding = false;
   const MonotonicTime now = monotonic_now();
-  if (!finished_) send(holds_at(now, Reason::told_to_stop), image_utime_, now, now, Reason::told_to_stop);
-  return stops_heard_;
+  if (!finished_) send(holds_at(now, Reason::stop_requested), image_utime_, now, now, Reason::stop_requested);
+  return stops_received_;
 }
 
-std::int64_t CommandSender::stops_heard() const {
+std::int64_t CommandSender::stops_received() const {
   const std::lock_guard lock(mutex_);
-  return stops_heard_;
+  return stops_received_;
 }
 
 void CommandSender::rival_heard(MonotonicTime now) {
@@ -148,7 +148,7 @@ void CommandSender::finish(Reason reason) {
   const std::lock_guard lock(mutex_);
   if (finished_) return;
   held_.holding = false;
-  const HeldAnswer zeros{reason == Reason::told_to_stop ? Status::stopped : Status::invalid_input, reason, Twist{}};
+  const HeldAnswer zeros{reason == Reason::stop_requested ? Status::stopped : Status::invalid_input, reason, Twist{}};
   for (int i = 0; i < kLastZeros; ++i) {
     const MonotonicTime now = monotonic_now();
     send(zeros, image_utime_, now, now, reason);

@@ -59,7 +59,7 @@ class CommandSender {
   /// A stop was heard: zeros from now on, until the coordinator has been told of it and of a resume. Returns its
   /// number.
   std::int64_t stop_heard();
-  std::int64_t stops_heard() const;
+  std::int64_t stops_received() const;
   /// Somebody else commands this robot: zeros from both, until a second after the last of the other's.
   void rival_heard(MonotonicTime now);
   void base_heard(std::int64_t base_session);
@@ -88,7 +88,7 @@ class CommandSender {
   HeldCommand core_held_;  ///< the coordinator's own, for the record
   HeldAnswer last_answer_;
   std::int64_t image_utime_ = 0, base_session_ = 0;
-  std::int64_t stops_heard_ = 0, stops_told_ = 0;
+  std::int64_t stops_received_ = 0, stops_applied_ = 0;
   std::optional<MonotonicTime> rival_;
   MonotonicTime next_beat_;
   bool deadline_served_ = true;  ///< the zero at the end of what is held has left

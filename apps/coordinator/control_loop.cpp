@@ -49,7 +49,7 @@ class Loop {
     work();
     StepResult end = coordinator_.command_at(now());
     end.status = Status::stopped;
-    end.reason = Reason::told_to_stop;
+    end.reason = Reason::stop_requested;
     end.command = Twist{};
     reporter_.report(end, timing_);
   }
@@ -61,7 +61,7 @@ class Loop {
     while (!parts_.stop_requested()) {
       parts_.progress();
       Inbox::Taken taken = parts_.inbox.take(patience);
-      for (const Told& told : taken.told) std::visit([this](const auto& each) { hear(each); }, told);
+      for (const Received& received : taken.received) std::visit([this](const auto& each) { receive(each); }, received);
       if (parts_.pull) {
         std::optional<Frame> frame = parts_.pull();
         if (!frame) return;
@@ -71,7 +71,7 @@ class Loop {
           if (parts_.black_box != nullptr) record_picture(*frame, *taken.frame);
           look_at(*frame, taken.frame->at);
         }
-      } else if (taken.told.empty()) {
+      } else if (taken.received.empty()) {
         reporter_.report(coordinator_.command_at(now()), timing_);  // the sender sends the command itself
       }
     }
@@ -129,15 +129,15 @@ class Loop {
                               pending.jpeg_message->size());
   }
 
-  void hear(const ToldSetpoint& told) {
-    const bool taken = coordinator_.set_setpoint(told.setpoint);
-    if (parts_.black_box != nullptr) parts_.black_box->setpoint(told.setpoint, taken, coordinator_);
+  void receive(const ReceivedSetpoint& received) {
+    const bool taken = coordinator_.set_setpoint(received.setpoint);
+    if (parts_.black_box != nullptr) parts_.black_box->setpoint(received.setpoint, taken, coordinator_);
     if (!taken) {
       ++reporter_.refused["setpoint_too_near"];
       return;
     }
-    reporter_.setpoint_counter = std::max(reporter_.setpoint_counter, told.counter);
-    parts_.sender.told(coordinator_.held(), told.stops_heard);
+    reporter_.setpoint_counter = std::max(reporter_.setpoint_counter, received.counter);
+    parts_.sender.told(coordinator_.held(), received.stops_received);
     log_setpoint();
   }
 
@@ -160,20 +160,20 @@ class Loop {
     setpoints_not_logged_ = 0;
   }
 
-  void hear(const ToldMotion& told) {
-    const bool used = told.of_the_leader ? coordinator_.set_announced_motion(told.utime, told.twist)
-                                         : coordinator_.set_own_motion(told.utime, told.twist);
+  void receive(const ReceivedMotion& received) {
+    const bool used = received.of_the_leader ? coordinator_.set_leader_intent(received.utime, received.twist)
+                                             : coordinator_.set_ego_motion(received.utime, received.twist);
     if (parts_.black_box != nullptr) {
-      if (told.of_the_leader) {
-        parts_.black_box->announced_motion(told.utime, told.twist, used, coordinator_);
+      if (received.of_the_leader) {
+        parts_.black_box->leader_intent(received.utime, received.twist, used, coordinator_);
       } else {
-        parts_.black_box->own_motion(told.utime, told.twist, used, coordinator_);
+        parts_.black_box->ego_motion(received.utime, received.twist, used, coordinator_);
       }
     }
-    if (!used) ++reporter_.refused[told.of_the_leader ? "announcement_unusable" : "own_motion_unusable"];
+    if (!used) ++reporter_.refused[received.of_the_leader ? "leader_intent_unusable" : "ego_motion_unusable"];
   }
 
-  /// Of whole frames; what the eyes refuse has counters of its own.
+  /// Of whole frames; what vision refuses has counters of its own.
   void count_refused(Reason reason) {
     switch (reason) {
       case Reason::frame_stale: ++reporter_.refused["frames_stale"]; break;

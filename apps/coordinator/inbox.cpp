@@ -11,24 +11,24 @@ void Inbox::put(PendingFrame frame) {
   changed_.notify_one();
 }
 
-void Inbox::put(const Told& told) {
+void Inbox::put(const Received& received) {
   const std::lock_guard lock(mutex_);
-  if (told_.size() == kMaxTold) {
-    told_.pop_front();
+  if (received_.size() == kMaxReceived) {
+    received_.pop_front();
     ++forgotten_;
   }
-  told_.push_back(told);
+  received_.push_back(received);
   changed_.notify_one();
 }
 
 Inbox::Taken Inbox::take(std::chrono::microseconds patience) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, patience, [&] { return woken_ || newest_.has_value() || !told_.empty(); });
+  changed_.wait_for(lock, patience, [&] { return woken_ || newest_.has_value() || !received_.empty(); });
   woken_ = false;
   Taken taken;
   taken.frame = std::exchange(newest_, std::nullopt);
-  taken.told.assign(told_.begin(), told_.end());
-  told_.clear();
+  taken.received.assign(received_.begin(), received_.end());
+  received_.clear();
   return taken;
 }
 

@@ -27,28 +27,28 @@ struct PendingFrame {
 };
 
 /// What the coordinator is told between frames, in the order in which it came.
-struct ToldSetpoint {
+struct ReceivedSetpoint {
   Setpoint setpoint;
-  std::int64_t counter = 0;      ///< of the operator
-  std::int64_t stops_heard = 0;  ///< by the sender of commands when this came, see CommandSender
+  std::int64_t counter = 0;         ///< of the operator
+  std::int64_t stops_received = 0;  ///< by the sender of commands when this came, see CommandSender
 };
-struct ToldMotion {
+struct ReceivedMotion {
   std::int64_t utime = 0;
   Twist twist;
   bool of_the_leader = false;
 };
-using Told = std::variant<ToldSetpoint, ToldMotion>;
+using Received = std::variant<ReceivedSetpoint, ReceivedMotion>;
 
 /// From the threads that listen (bus, camera) to the one that looks. Never waits for the one that looks: an older frame
 /// makes place for a newer one, and of a flood of messages the oldest go.
 class Inbox {
  public:
   void put(PendingFrame frame);
-  void put(const Told& told);
+  void put(const Received& received);
 
   struct Taken {
     std::optional<PendingFrame> frame;
-    std::vector<Told> told;
+    std::vector<Received> received;
   };
   /// What there is, waiting `patience` at most for the first of it.
   Taken take(std::chrono::microseconds patience);
@@ -58,11 +58,11 @@ class Inbox {
   std::int64_t forgotten() const;  ///< messages that did not fit
 
  private:
-  static constexpr std::size_t kMaxTold = 256;
+  static constexpr std::size_t kMaxReceived = 256;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<PendingFrame> newest_;
-  std::deque<Told> told_;
+  std::deque<Received> received_;
   bool woken_ = false;
   std::int64_t overtaken_ = 0, forgotten_ = 0;
 };

@@ -60,7 +60,7 @@ config::CoordinatorFile load(const Options& options) {
   config::apply(overrides(options), file);
   if (options.black_box) file.black_box.directory = *options.black_box;
   if (options.odometry) file.odometry = config::odometry_from(*options.odometry);
-  if (options.announcements_from) file.announcements_from = config::announcements_from(*options.announcements_from);
+  if (options.leader_intent_from) file.leader_intent_from = config::leader_intent_from(*options.leader_intent_from);
   return file;
 }
 
@@ -80,8 +80,8 @@ void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
                config.control.limits.max_linear_acceleration_mps2, config.control.limits.max_angular_radps);
   if (file.odometry == config::Odometry::pose)
     spdlog::info("own motion: odometry on {}", bus::channel(file.name, "POSE"));
-  if (!file.announcements_from.empty())
-    spdlog::info("announcements of the leader on {}", bus::channel(file.announcements_from, "MOTION"));
+  if (!file.leader_intent_from.empty())
+    spdlog::info("leader intent on {}", bus::channel(file.leader_intent_from, "MOTION"));
   spdlog::info("bus {} (receive buffer {} bytes)", bus.url(), bus.receive_buffer_bytes());
 }
 
@@ -161,7 +161,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   listening.height = file.coordinator.camera.height;
   listening.simulated = simulated;
   listening.odometry = file.odometry == config::Odometry::pose;
-  listening.announcements_from = file.announcements_from;
+  listening.leader_intent_from = file.leader_intent_from;
   BusListener listener(listening, inbox);
   if (const auto rival = listener.rival_within(listener.bus().receive_buffer_bytes() > 0 ? kRivalWithin_ms : 0))
     return fail(kUnavailable, "another coordinator (session " + std::to_string(*rival) + ") already commands " +
@@ -234,7 +234,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   } catch (const std::exception& error) {
     supervisor.fail(error.what());
   }
-  sender.finish(Reason::told_to_stop);
+  sender.finish(Reason::stop_requested);
   supervisor.ended();
   source.camera.reset();
   listener.stop();

@@ -68,8 +68,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_option("--tuning", options.tuning, "parameters of the law, as pilotfish tune writes them; they win");
   app.add_option("--odometry", options.odometry, "where the own twist is measured: nowhere, or on NAME_POSE")
       ->check(CLI::IsMember({"none", "pose"}));
-  app.add_option("--announcements-from", options.announcements_from,
-                 "the leader's name on the bus, to hear what it announces on its NAME_MOTION; none: nobody");
+  app.add_option("--leader-intent-from", options.leader_intent_from,
+                 "the leader's name on the bus, to receive what it announces on its NAME_MOTION; none: nobody");
   app.add_option("--black-box", options.black_box,
                  "folder for a ring of recordings, from which pilotfish replay recomputes every command");
   app.add_flag(

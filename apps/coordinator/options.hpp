@@ -21,7 +21,7 @@ struct Options {
   std::optional<std::string> profile;
   std::optional<std::string> tuning;
   std::optional<std::string> odometry;
-  std::optional<std::string> announcements_from;
+  std::optional<std::string> leader_intent_from;
   std::optional<std::string> black_box;
   std::string command_line;  ///< as it was given
   std::string lcm_url;

@@ -18,8 +18,8 @@ class SimulatedClock {
   MonotonicTime at(std::int64_t utime, MonotonicTime real) {
     if (last_utime_) {
       const double passed_us = static_cast<double>(utime) - static_cast<double>(*last_utime_);
-      const bool believable = passed_us >= 0.0 && passed_us <= kLeap_us;
-      now_.us += believable ? static_cast<std::int64_t>(passed_us) : std::max<std::int64_t>(real.us - last_real_.us, 0);
+      const bool plausible = passed_us >= 0.0 && passed_us <= kLeap_us;
+      now_.us += plausible ? static_cast<std::int64_t>(passed_us) : std::max<std::int64_t>(real.us - last_real_.us, 0);
     }
     last_utime_ = utime;
     last_real_ = real;

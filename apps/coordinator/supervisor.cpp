@@ -54,7 +54,7 @@ void Supervisor::watch() {
 void Supervisor::run() {
   std::optional<MonotonicTime> since;
   while (!over_) {
-    if (wait_for_stop_signal(kLook_ms)) stop(Reason::told_to_stop);
+    if (wait_for_stop_signal(kLook_ms)) stop(Reason::stop_requested);
     if (!stopping_) {
       if (ready_) watch();
       continue;

@@ -21,9 +21,9 @@ bus::StatusReport status_report(const StepResult& result, const Coordinator& coo
     report.error_change_m = velocity.error_change_m;
     report.output = velocity.inference.output;
     report.strengths = velocity.inference.strengths;
-    report.trust = result.control->trust;
-    report.own_motion = static_cast<std::int8_t>(result.control->own_motion);
-    report.announcement = static_cast<std::int8_t>(result.control->announcement);
+    report.feed_forward_weight = result.control->feed_forward_weight;
+    report.ego_motion = static_cast<std::int8_t>(result.control->ego_motion);
+    report.leader_intent = static_cast<std::int8_t>(result.control->leader_intent);
     if (const auto& leader = result.control->leader) {
       report.leader_radial_mps = leader->radial_mps;
       report.leader_tangential_mps = leader->tangential_mps;
@@ -57,12 +57,12 @@ std::string json_line(const StepResult& result, const StepTiming& timing) {
   measured("heading_rad", [](const Observation& o) { return o.heading_rad; });
   measured("reprojection_error_px", [](const Observation& o) { return o.reprojection_error_px; });
   measured("ambiguity_ratio", [](const Observation& o) { return o.ambiguity_ratio; });
-  measured("heading_doubt", [](const Observation& o) { return o.heading_doubt; });
+  measured("heading_ambiguity", [](const Observation& o) { return o.heading_ambiguity; });
   measured("found_by", [](const Observation& o) { return std::string(to_string(o.found_by)); });
   json["tag_ids"] = nlohmann::ordered_json::array();
   json["decision_margins"] = nlohmann::ordered_json::array();
   json["corners_px"] = nlohmann::ordered_json::array();  // per tag four times (u, v)
-  for (const TagSighting& tag : detected ? result.observation->tags : decltype(Observation::tags){}) {
+  for (const TagDetection& tag : detected ? result.observation->tags : decltype(Observation::tags){}) {
     nlohmann::ordered_json corners = nlohmann::ordered_json::array();
     for (const Eigen::Vector2d& corner : tag.corners_px) corners.push_back({corner.x(), corner.y()});
     json["tag_ids"].push_back(tag.id);
@@ -77,9 +77,9 @@ std::string json_line(const StepResult& result, const StepTiming& timing) {
   decided("error_m", [](const control::FollowerOutput& o) { return o.velocity.error_m; });
   decided("error_change_m", [](const control::FollowerOutput& o) { return o.velocity.error_change_m; });
   decided("output", [](const control::FollowerOutput& o) { return o.velocity.inference.output; });
-  decided("trust", [](const control::FollowerOutput& o) { return o.trust; });
-  decided("own_motion", [](const control::FollowerOutput& o) { return std::string(to_string(o.own_motion)); });
-  decided("announcement", [](const control::FollowerOutput& o) { return std::string(to_string(o.announcement)); });
+  decided("feed_forward_weight", [](const control::FollowerOutput& o) { return o.feed_forward_weight; });
+  decided("ego_motion", [](const control::FollowerOutput& o) { return std::string(to_string(o.ego_motion)); });
+  decided("leader_intent", [](const control::FollowerOutput& o) { return std::string(to_string(o.leader_intent)); });
   const bool estimated = result.control && result.control->leader;
   const auto leader = [&](const char* key, double control::LeaderMotion::*value) {
     json[key] = estimated ? nlohmann::ordered_json((*result.control->leader).*value) : nlohmann::ordered_json(nullptr);

@@ -41,7 +41,7 @@ void announce(const sim::Scenario& scenario, const bus::Bus& bus, bool real_time
   spdlog::info("bus {} (receive buffer {} bytes)", bus.url(), bus.receive_buffer_bytes());
 }
 
-void summarise(const Played& played, const sim::World& world) {
+void summarise(const RunSummary& played, const sim::World& world) {
   spdlog::info("{} after {:.2f} s: {} exposures, {} pictures delivered, {} dropped, {} sent again, {} skipped",
                played.stopped ? "stopped" : "over", world.time_s(), played.frames, played.delivered, played.dropped,
                played.sent_again, played.skipped);
@@ -66,8 +66,9 @@ int run(const SimOptions& options) {
     bus::Bus bus(options.lcm_url);
     if (key) bus.set_key(*key);
     announce(world.scenario(), bus, options.real_time);
-    Stage stage(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr, {options.announce, options.driven_by_base});
-    summarise(options.real_time ? stage.play_in_real_time() : stage.play_in_lockstep(), world);
+    Runner runner(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr,
+                  {options.publish_intent, options.driven_by_base});
+    summarise(options.real_time ? runner.play_in_real_time() : runner.play_in_lockstep(), world);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());
   } catch (const NoAnswer& error) {

@@ -23,7 +23,7 @@ Examples
   pilotfish-sim --scenario data/scenarios/line.yaml --realtime --drive-by base
       the wheels obey pilotfish-base --driver simulator, which stands between them and the coordinator
 
-Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --announce every leader's
+Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --publish-intent every leader's
 twist on NAME_MOTION; each robot that follows another is driven by what comes in on NAME_COMMAND. A setpoint in the
 scenario is sent on NAME_SETPOINT until the coordinator's NAME_STATUS shows it; then comes the first picture.
 
@@ -59,7 +59,8 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
                                  "pictures at the pace of the clock, delivered after the camera's latency");
   app.add_flag("--lockstep", lockstep, "wait for the answer to each picture: repeatable bit for bit (the default)")
       ->excludes(real_time);
-  app.add_flag("--announce", options.announce, "robots that others follow say on NAME_MOTION how they move");
+  app.add_flag("--publish-intent", options.publish_intent,
+               "robots that others follow say on NAME_MOTION how they move");
   app.add_option(
          "--drive-by", driven_by,
          "whom the wheels obey: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator (NAME_BASE)")

@@ -11,7 +11,7 @@ struct SimOptions {
   std::string record_path;
   std::string key_path;
   bool real_time = false;
-  bool announce = false;
+  bool publish_intent = false;
   bool driven_by_base = false;
   std::optional<double> duration_s;
   std::optional<int> seed;

@@ -39,21 +39,21 @@ NoAnswer no_answer(const std::vector<std::string>& robots, double waited_s, cons
 
 }  // namespace
 
-Stage::Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const StageConfig& config)
+Runner::Runner(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const RunnerConfig& config)
     : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv), driven_by_base_(config.driven_by_base) {
   for (const sim::RobotSpec& robot : world_.scenario().robots)
     if (!robot.follows.empty()) followers_.push_back(robot.name);
   for (const std::string& robot : followers_) {
     answers_[robot] = {};
-    const auto [leader, is_new] = announcers_.emplace(world_.scenario().find(robot)->follows, latency_s(robot));
+    const auto [leader, is_new] = with_intent_.emplace(world_.scenario().find(robot)->follows, latency_s(robot));
     if (!is_new) leader->second = std::min(leader->second, latency_s(robot));
   }
-  if (!config.announce) announcers_.clear();
+  if (!config.publish_intent) with_intent_.clear();
   if (csv_ != nullptr) sim::write_recording_header(*csv_);
   last_progress_s_ = monotonic_s();
 }
 
-void Stage::publish_poses() {
+void Runner::publish_poses() {
   for (const sim::RobotSpec& robot : world_.scenario().robots) {
     const sim::UnicycleState state = world_.state(robot.name);
     bus_.publish(robot.name,
@@ -61,8 +61,8 @@ void Stage::publish_poses() {
   }
 }
 
-void Stage::publish_motions(bool until_delivery) {
-  for (const auto& [name, latency_s] : announcers_) {
+void Runner::publish_motions(bool until_delivery) {
+  for (const auto& [name, latency_s] : with_intent_) {
     const sim::RobotSpec& leader = *world_.scenario().find(name);
     if (leader.trajectory && until_delivery) {
       const double then_s = world_.time_s() + latency_s;
@@ -74,13 +74,13 @@ void Stage::publish_motions(bool until_delivery) {
   }
 }
 
-void Stage::publish_image(const std::string& robot, const Frame& frame) {
+void Runner::publish_image(const std::string& robot, const Frame& frame) {
   bus_.publish_image(bus::channel(robot, "IMAGE"), frame);
 }
 
-double Stage::latency_s(const std::string& robot) const { return world_.scenario().find(robot)->camera->latency_s; }
+double Runner::latency_s(const std::string& robot) const { return world_.scenario().find(robot)->camera->latency_s; }
 
-std::optional<Frame> Stage::expose(const std::string& robot) {
+std::optional<Frame> Runner::expose(const std::string& robot) {
   std::optional<Frame> picture = world_.capture(robot);
   (picture ? played_.delivered : played_.dropped) += 1;
   sim::Answer& answer = answers_[robot];
@@ -89,12 +89,12 @@ std::optional<Frame> Stage::expose(const std::string& robot) {
   return picture;
 }
 
-void Stage::record() {
+void Runner::record() {
   if (csv_ == nullptr) return;
   for (const std::string& robot : followers_) sim::write_recording_row(*csv_, world_, robot, answers_[robot]);
 }
 
-void Stage::report_progress() {
+void Runner::report_progress() {
   if (monotonic_s() - last_progress_s_ < kProgressEvery_s) return;
   last_progress_s_ = monotonic_s();
   for (const std::string& robot : followers_) {
@@ -105,7 +105,7 @@ void Stage::report_progress() {
   }
 }
 
-void Stage::report_failures() {
+void Runner::report_failures() {
   const auto& rejected = bus_.rejected();
   const auto found = rejected.find("publish_failed");
   if (found == rejected.end() || found->second == failed_) return;
@@ -115,7 +115,7 @@ void Stage::report_failures() {
                  bus_.url());
 }
 
-Played Stage::play_in_lockstep() {
+RunSummary Runner::play_in_lockstep() {
   sim::AwaitedAnswers awaited(kResendAfter_s, wait_s_);
   for (const std::string& robot : followers_)
     bus_.on_command(robot, [this, &awaited, robot](const bus::CommandReport& report) {
@@ -159,7 +159,7 @@ Played Stage::play_in_lockstep() {
 }
 
 /// Coordinators send zeros while they see nothing, so that each can be heard before the world begins to move.
-void Stage::wait_until_all_are_heard() {
+void Runner::wait_until_all_are_heard() {
   const double asked_s = monotonic_s();
   while (!stop_requested()) {
     std::vector<std::string> silent;
@@ -171,7 +171,7 @@ void Stage::wait_until_all_are_heard() {
   }
 }
 
-void Stage::expose_all() {
+void Runner::expose_all() {
   publish_poses();
   publish_motions(false);
   for (const std::string& robot : followers_) {
@@ -184,14 +184,14 @@ void Stage::expose_all() {
   ++played_.frames;
 }
 
-void Stage::deliver(double now_s) {
+void Runner::deliver(double now_s) {
   const auto due = [now_s](const UnderWay& picture) { return picture.due_s <= now_s; };
   for (const UnderWay& picture : under_way_)
     if (due(picture)) publish_image(picture.robot, picture.frame);
   under_way_.erase(std::remove_if(under_way_.begin(), under_way_.end(), due), under_way_.end());
 }
 
-void Stage::obey_bases(const double& start_s) {
+void Runner::obey_bases(const double& start_s) {
   for (const sim::RobotSpec& robot : world_.scenario().robots) {
     if (robot.trajectory) continue;
     bus_.on_base(robot.name, [this, &start_s, name = robot.name](const bus::BaseReport& report) {
@@ -203,7 +203,7 @@ void Stage::obey_bases(const double& start_s) {
   }
 }
 
-void Stage::stop_unattended_wheels(double now_s) {
+void Runner::stop_unattended_wheels(double now_s) {
   for (auto told = told_s_.begin(); told != told_s_.end();) {
     if (now_s - told->second > kWheelsWatchdog_s) {
       world_.command(told->first, {}, now_s);
@@ -214,7 +214,7 @@ void Stage::stop_unattended_wheels(double now_s) {
   }
 }
 
-Played Stage::play_in_real_time() {
+RunSummary Runner::play_in_real_time() {
   double start_s = 0.0;  // of the world, on the monotonic clock; 0: not yet
   for (const sim::RobotSpec& robot : world_.scenario().robots) {
     if (robot.trajectory) continue;

@@ -20,7 +20,7 @@ class NoAnswer : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct Played {
+struct RunSummary {
   int frames = 0;        ///< exposures
   int delivered = 0;     ///< pictures that went out, over all robots
   int dropped = 0;       ///< pictures that the scenario's seed dropped
@@ -29,22 +29,22 @@ struct Played {
   bool stopped = false;  ///< by a signal
 };
 
-struct StageConfig {
-  bool announce = false;        ///< leaders say how they move
+struct RunnerConfig {
+  bool publish_intent = false;  ///< leaders say how they move
   bool driven_by_base = false;  ///< wheels listen to NAME_BASE instead of NAME_COMMAND; in real time only
 };
 
 /// A world on the bus. One of the two play functions is called once.
-class Stage {
+class Runner {
  public:
-  /// `csv` may be nullptr; else it outlives the stage.
-  Stage(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const StageConfig& config);
+  /// `csv` may be nullptr; else it outlives the runner.
+  Runner(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const RunnerConfig& config);
 
   /// Exposure by exposure: pictures out, wait for the command that answers each (its utime is the picture's),
   /// let it act one latency after the exposure, go on. Throws NoAnswer.
-  Played play_in_lockstep();
+  RunSummary play_in_lockstep();
   /// At the pace of the monotonic clock. A picture leaves one latency after its exposure; a command acts when it comes.
-  Played play_in_real_time();
+  RunSummary play_in_real_time();
 
  private:
   void publish_poses();
@@ -72,8 +72,9 @@ class Stage {
   bool driven_by_base_;
   std::map<std::string, double> told_s_;  ///< when a base last told a robot's wheels something; world's time
   std::vector<std::string> followers_;
-  std::map<std::string, double> announcers_;  ///< leaders who say how they move, and their followers' least latency [s]
-  struct UnderWay {                           // a picture between its exposure and its delivery
+  std::map<std::string, double>
+      with_intent_;  ///< leaders who say how they move, and their followers' least latency [s]
+  struct UnderWay {  // a picture between its exposure and its delivery
     double due_s;
     std::string robot;
     Frame frame;
@@ -83,7 +84,7 @@ class Stage {
   double last_progress_s_ = 0.0;                ///< on the monotonic clock
   std::int64_t failed_ = 0;                     ///< messages that could not be sent, and were spoken of
   LogThrottle throttle_{10.0};
-  Played played_;
+  RunSummary played_;
 };
 
 }  // namespace pilotfish::apps

@@ -44,7 +44,7 @@ Observation seen_at(std::int64_t utime, double distance_m) {
   observation.measured = {{distance_m, 0.0, 0.0}, observation.covariance};
   observation.other_cMo = Eigen::Isometry3d::Identity();
   for (int id = 0; id < 3; ++id) {
-    TagSighting tag;
+    TagDetection tag;
     tag.id = id;
     tag.corners_px.fill(Eigen::Vector2d::Zero());
     observation.tags.push_back(tag);
@@ -70,7 +70,8 @@ int main(int argc, char** argv) {
   for (int k = 0; k < frames; ++k) {
     const MonotonicTime now = monotonic_now();
     const std::int64_t utime = 1'000'000 + now.us;
-    const StepResult result = core.answer(utime, {seen_at(utime, 2.0 - 0.001 * (k % 100)), Reason::none}, now);
+    const StepResult result =
+        core.step_observation(utime, {seen_at(utime, 2.0 - 0.001 * (k % 100)), Reason::none}, now);
     Frame asked;
     asked.utime = utime;
     frame.measure([&] { box.frame(asked, now, result, core); });

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from pilotfish import data, sim
-from pilotfish.harness.drawn_sight import DrawnSight
+from pilotfish.harness.drawn_observations import DrawnObservations
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.run import OnProgress
 from pilotfish.harness.scenario import Scenario
@@ -52,7 +52,7 @@ def play(
         profile=law,
         spec=spec,
         configure=configure,
-        drawn=None if noise is None else DrawnSight(seed, scale=noise),
+        drawn=None if noise is None else DrawnObservations(seed, scale=noise),
         on_progress=on_progress,
     )
     return run.recordings[scenario.robot().name]

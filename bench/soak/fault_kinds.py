@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from intruders import (
-    announcements_that_lie,
     endless_fragments,
     forgeries,
+    intents_that_lie,
     liblcm_killer,
     random_datagrams,
     second_camera,
@@ -59,7 +59,7 @@ def silence(robot: Robot, rng: random.Random, duration_s: float) -> None:
 
 
 def backward(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    """From two hours ago on: to come back from there is a leap that the simulated clock does not believe either."""
+    """From two hours ago on: to come back from there is a leap that the simulated clock does not accept either."""
     end_s, start_us = robot.now_s + duration_s, robot.now_us() - 2 * HOUR_US
     pictures = rng.choice([robot.pictures.bad["gray"], robot.pictures.good])
     k = 0
@@ -77,8 +77,8 @@ def repeated(robot: Robot, rng: random.Random, duration_s: float) -> None:
 def wild_stamps(robot: Robot, rng: random.Random, duration_s: float) -> None:
     for _ in range(rng.randrange(1, 4)):
         stamp = rng.choice([2**61, 2**62 - 1, 2**63 - 1, -(2**62), -(2**63), 0, 1])
-        believed_to_be_a_time = 0 <= stamp < 2**62  # what is not is refused with the message's header
-        robot.show(robot.pictures.good[0], utime=stamp, answered=believed_to_be_a_time)
+        accepted_as_a_time = 0 <= stamp < 2**62  # what is not is refused with the message's header
+        robot.show(robot.pictures.good[0], utime=stamp, answered=accepted_as_a_time)
         robot.show_good()
 
 
@@ -133,7 +133,7 @@ FAULTS: dict[str, Fault] = {
     "forgeries": Fault("forged commands, setpoints, base", forgeries),
     "setpoint-flood": Fault("a flood of setpoints", setpoint_flood, longest_s=1.0),
     "stop-resume": Fault("stop, and resume", stop_and_resume),
-    "lies": Fault("a leader that announces lies", announcements_that_lie),
+    "lies": Fault("a leader that announces lies", intents_that_lie),
     "second-camera": Fault("a second camera on the channel", second_camera),
     "second-coordinator": Fault("a second coordinator commands", second_coordinator, _SELDOM, 0.4, True),
 }

@@ -53,7 +53,7 @@ def endless_fragments(robot: Robot, rng: random.Random, duration_s: float) -> No
 
 
 def forgeries(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    """By one who knows everything but the key: the sessions, and counters that would be believed."""
+    """By one who knows everything but the key: the sessions, and counters that would be accepted."""
     end_s = robot.now_s + duration_s
     moving = Twist(linear_mps=0.6, angular_radps=1.0)
     while robot.now_s < end_s:
@@ -85,7 +85,7 @@ def setpoint_flood(robot: Robot, rng: random.Random, duration_s: float) -> None:
 
 
 def stop_and_resume(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    """A stop from the operator or from a stranger, who is believed as well; the resume is the operator's."""
+    """A stop from the operator or from a stranger, who is accepted as well; the resume is the operator's."""
     who = rng.choice([robot.mouth, robot.stranger])
     _ask_until(robot, lambda: _publish(robot, who, distance_m=_KEPT_M, run=False), stopped=True)
     end_s = robot.now_s + duration_s
@@ -96,7 +96,7 @@ def stop_and_resume(robot: Robot, rng: random.Random, duration_s: float) -> None
     _ask_until(robot, lambda: _publish(robot, robot.mouth, distance_m=_KEPT_M, run=True), stopped=False)
 
 
-def announcements_that_lie(robot: Robot, rng: random.Random, duration_s: float) -> None:
+def intents_that_lie(robot: Robot, rng: random.Random, duration_s: float) -> None:
     end_s = robot.now_s + duration_s
     while robot.now_s < end_s:
         lie = Twist(linear_mps=rng.uniform(-2, 2), angular_radps=rng.uniform(-3, 3))

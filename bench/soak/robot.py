@@ -28,7 +28,7 @@ from pilotfish.harness.ports import private_lcm_url
 NAME = "robot1"
 FORGED_SESSION = 0x666F72676564  # of a base_t that is not the base's
 RULE_S = 0.1  # nothing moves on a measurement that is older
-LEAP_US = 3_600_000_000  # between two stamps: the simulated clock does not believe more
+LEAP_US = 3_600_000_000  # between two stamps: the simulated clock does not accept more
 INTERRUPTION_S = 0.2  # of the wall: this script did not run for so long
 _YOUNG_S = 3.5  # so long a pilotfish-base makes place for another, also for a forged one
 _PATIENCE_S = 0.5  # of the wall: then the picture, or its answer, was lost
@@ -111,8 +111,8 @@ class Robot:
     def show(self, message: Message, *, good: bool = False, utime: int | None = None, answered: bool = True) -> None:
         """A picture a period after the last one."""
         stamp = self.now_us(self.period_s) if utime is None else utime
-        believable = answered and 0 < stamp - self.last_stamp <= LEAP_US
-        self._pass(self.period_s, by_the_wall=self.paced or not believable)
+        plausible = answered and 0 < stamp - self.last_stamp <= LEAP_US
+        self._pass(self.period_s, by_the_wall=self.paced or not plausible)
         if good:
             self.last_good_s = self.now_s
         self.frames += 1
@@ -211,7 +211,7 @@ class Robot:
     def _coordinator_config(self, key_file: Path) -> Path:
         """The shipped configuration, with a key, at the camera's rate, and listening to the leader's announcements."""
         config = shipped_coordinator()
-        config |= {"frame_rate_hz": self.rate_hz, "key_file": str(key_file), "announcements_from": "leader"}
+        config |= {"frame_rate_hz": self.rate_hz, "key_file": str(key_file), "leader_intent_from": "leader"}
         file = self.folder / "coordinator.yaml"
         file.write_text(yaml.safe_dump(config))
         return file

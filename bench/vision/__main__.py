@@ -1,4 +1,4 @@
-"""Pilotfish's eye beside ViSP, AprilTag and OpenCV's ArUco, on the same frames.
+"""Pilotfish's tracker beside ViSP, AprilTag and OpenCV's ArUco, on the same frames.
 
 Takes: 10 to 20 minutes; 1 with --quick.
 """

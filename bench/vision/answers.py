@@ -1,4 +1,4 @@
-"""What every eye answers to one frame, and how far that is from the truth."""
+"""What every tracker answers to one frame, and how far that is from the truth."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Answer:
-    """Of one eye to one frame. `cMt` is None if it does not see the leader."""
+    """Of one tracker to one frame. `cMt` is None if it does not see the leader."""
 
     elapsed_ns: int
     cMt: np.ndarray | None = None  # (4, 4): the tag in the camera frame
-    heading_rad: float | None = None  # of the leader, if the eye knows better than cMt says
+    heading_rad: float | None = None  # of the leader, if the tracker knows better than cMt says
     found_by: str = "frame"
 
 
@@ -30,7 +30,7 @@ UNSEEN = Errors(*[float("nan")] * 3)
 
 
 def normal_of(cMt: np.ndarray) -> np.ndarray:
-    """(3,) unit normal of the tag, on the side that the camera sees. Eyes disagree on where the tag's z axis points;
+    """(3,) unit normal of the tag, on the side the camera sees. Trackers disagree on where the tag's z axis points;
     they cannot disagree on this."""
     normal = cMt[:3, 2]
     return normal if normal @ cMt[:3, 3] < 0 else -normal

@@ -1,4 +1,4 @@
-// ViSP's and libapriltag's eyes as a Python module. Both find every tag of an image and the pose of each; the clock
+// ViSP's and libapriltag's trackers as a Python module. Both find every tag of an image and the pose of each; the clock
 // runs in here, around detection and pose and nothing else, so that neither pays for Python. One thread each.
 //
 // Pixels: both count from the corner of the first pixel, so pixel centres are at +0.5. The intrinsics given here are
@@ -32,7 +32,7 @@ using Image = py::array_t<std::uint8_t, py::array::c_style>;
 using Pose = py::array_t<double>;
 
 /// All tags of one image as (id, cMt (4, 4)), and the time it took.
-struct Look {
+struct Result {
   std::vector<std::pair<int, Pose>> tags;
   std::int64_t elapsed_ns = 0;
 };
@@ -75,12 +75,12 @@ class VispDetector {
       camera_.initPersProjWithDistortion(fx, fy, cx, cy, kud, kdu);
   }
 
-  Look look(const Image& image, double size_m) {
+  Result track(const Image& image, double size_m) {
     if (image.ndim() != 2) throw py::value_error("expected an image (H, W)");
     image_.resize(static_cast<unsigned>(image.shape(0)), static_cast<unsigned>(image.shape(1)));
     std::copy_n(image.data(), image.size(), image_.bitmap);
     std::vector<vpHomogeneousMatrix> poses;
-    Look result;
+    Result result;
     result.elapsed_ns = elapsed_ns([&] { detector_.detect(image_, size_m, camera_, poses); });
     const std::vector<int> ids = detector_.getTagsId();
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -108,7 +108,7 @@ class AprilTagDetector {
     apriltag_detector_add_family(detector_.get(), family_.get());
   }
 
-  Look look(const Image& image, double size_m) {
+  Result track(const Image& image, double size_m) {
     if (image.ndim() != 2) throw py::value_error("expected an image (H, W)");
     const auto height = static_cast<int>(image.shape(0)), width = static_cast<int>(image.shape(1));
     std::vector<std::uint8_t> pixels(image.data(), image.data() + image.size());
@@ -118,7 +118,7 @@ class AprilTagDetector {
       apriltag_pose_t pose;
     };
     std::vector<Tag> found;
-    Look result;
+    Result result;
     result.elapsed_ns = elapsed_ns([&] {
       zarray_t* detections = apriltag_detector_detect(detector_.get(), &view);
       for (int i = 0; i < zarray_size(detections); ++i) {
@@ -171,16 +171,16 @@ class AprilTagDetector {
 
 PYBIND11_MODULE(bench_vision_baselines, m) {
   m.doc() = "ViSP's and libapriltag's detection and pose, timed where they run.";
-  py::class_<Look>(m, "Look", "All tags of one image, and the time it took to find them and their poses.")
-      .def_readonly("tags", &Look::tags, "list of (id, cMt (4, 4))")
-      .def_readonly("elapsed_ns", &Look::elapsed_ns);
+  py::class_<Result>(m, "Result", "All tags of one image, and the time it took to find them and their poses.")
+      .def_readonly("tags", &Result::tags, "list of (id, cMt (4, 4))")
+      .def_readonly("elapsed_ns", &Result::elapsed_ns);
   py::class_<VispDetector>(m, "VispDetector", "vpDetectorAprilTag, 36h11, HOMOGRAPHY_VIRTUAL_VS, one thread.")
       .def(py::init<double, double, double, double, double, double, double>(), py::kw_only(), py::arg("decimation"),
            py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"), py::arg("kud") = 0.0, py::arg("kdu") = 0.0)
-      .def("look", &VispDetector::look, py::arg("image"), py::arg("size_m"));
+      .def("track", &VispDetector::track, py::arg("image"), py::arg("size_m"));
   py::class_<AprilTagDetector>(m, "AprilTagDetector", "libapriltag, 36h11, orthogonal iteration, one thread.")
       .def(py::init<double, double, double, double, double, std::vector<double>>(), py::kw_only(),
            py::arg("decimation"), py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"),
            py::arg("distortion") = std::vector<double>{})
-      .def("look", &AprilTagDetector::look, py::arg("image"), py::arg("size_m"));
+      .def("track", &AprilTagDetector::track, py::arg("image"), py::arg("size_m"));
 }

@@ -48,8 +48,8 @@ class _Compiled:
     def __init__(self, name: str, detector: object, target: Target):
         self.name, self._detector, self._target = name, detector, target
 
-    def look(self, image: np.ndarray, utime: int) -> Answer:
-        look = self._detector.look(image, self._target.size_m)
+    def track(self, image: np.ndarray, utime: int) -> Answer:
+        look = self._detector.track(image, self._target.size_m)
         poses = [cMt for tag_id, cMt in look.tags if tag_id == self._target.tag_id]
         return Answer(look.elapsed_ns, poses[0] if poses else None)
 
@@ -96,8 +96,8 @@ class Wheels:
         self._pipe.close()
         self._process.join(5)
 
-    def eye(self, kind: str, name: str, camera: core.CameraModel, target: Target) -> _InWheels:
-        """`kind`: a key of wheels.EYES."""
+    def tracker(self, kind: str, name: str, camera: core.CameraModel, target: Target) -> _InWheels:
+        """`kind`: a key of wheels.TRACKERS."""
         self._made += 1
         key = f"{name} {self._made}"
         centre = 0.0 if kind == "aruco subpix" else 0.5
@@ -117,6 +117,6 @@ class _InWheels:
     def __init__(self, name: str, wheels: Wheels, key: str):
         self.name, self._wheels, self._key = name, wheels, key
 
-    def look(self, image: np.ndarray, utime: int) -> Answer:
+    def track(self, image: np.ndarray, utime: int) -> Answer:
         elapsed_ns, cMt = self._wheels.ask(("look", self._key, image))
         return Answer(elapsed_ns, cMt)

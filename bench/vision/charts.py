@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
 
-from bench.vision import eyes as who
+from bench.vision import trackers as who
 from bench.vision.accuracy import Cells
 from bench.vision.summary import Figures
 from pilotfish.plots import style as look
 
-# An eye has one colour and one mark in all pictures; ours are thicker.
+# A tracker has one colour and one mark in all pictures; ours are thicker.
 MARKS = {
     who.TRACKED: (look.VERMILLION, "o"),
     who.ACQUIRED: (look.ORANGE, "s"),
@@ -28,7 +28,7 @@ MARKS = {
 
 
 def mark(name: str) -> dict[str, object]:
-    """Arguments of Axes.plot for an eye."""
+    """Arguments of Axes.plot for a tracker."""
     colour, symbol = MARKS[name]
     ours = name in (who.TRACKED, who.ACQUIRED)
     width, zorder = (2.6, 3) if ours else (1.3, 2)
@@ -76,7 +76,7 @@ def cost_by_resolution(by_size: dict[str, dict[str, Figures]]) -> Figure:
         axes = figure.subplots()
         pixels = [np.prod([int(side) for side in size.split("x")]) / 1e6 for size in by_size]
         for name in next(iter(by_size.values())):
-            axes.plot(pixels, [eyes[name].median_ms for eyes in by_size.values()], **mark(name))
+            axes.plot(pixels, [trackers[name].median_ms for trackers in by_size.values()], **mark(name))
         axes.set(xscale="log", yscale="log", title="the same tag, 60 px wide, in frames of different sizes")
         axes.xaxis.set_major_locator(FixedLocator(pixels))
         axes.xaxis.set_minor_locator(NullLocator())

@@ -18,10 +18,10 @@ import typer
 from bench.vision.baselines import Wheels
 from bench.vision.charts import save_charts
 from bench.vision.compiled import load_compiled
-from bench.vision.eyes import Cast
 from bench.vision.goals import Goal
 from bench.vision.parts import PARTS, QUICK, Effort, Outcome, Task
 from bench.vision.tables import goals_table
+from bench.vision.trackers import Cast
 from pilotfish.cli.console import console, friendly_errors, progress
 
 app = typer.Typer(
@@ -45,10 +45,10 @@ def main(
     seed: Annotated[int, typer.Option(min=0, help="Of every frame. Same seed: same frames.")] = 1,
     out: Annotated[Path, typer.Option(help="Where vision.json and the pictures go.")] = Path("out/bench"),
 ) -> None:
-    """Pilotfish's eye beside its baselines: the same frames, in the same run, ten at a time in turns, one thread each.
+    """Pilotfish's tracker beside its baselines: the same frames, same run, ten at a time in turns, one thread each.
 
     Baselines: ViSP and libapriltag (Debian), the newest AprilTag and OpenCV's ArUco (PyPI). The compiled ones are built
-    into build/bench when they are missing. Prints what every eye made of every sequence, then one row a goal.
+    into build/bench when they are missing. Prints what every tracker made of every sequence, then one row a goal.
 
     \b
     Examples

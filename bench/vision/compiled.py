@@ -23,7 +23,7 @@ class BaselinesError(PilotfishError):
 
 
 def load_compiled(say: Callable[[str], None]) -> ModuleType:
-    """ViSP's and libapriltag's eyes, built now if need be."""
+    """ViSP's and libapriltag's trackers, built now if need be."""
     settings = ["-DPILOTFISH_BENCH=ON", "-DPILOTFISH_PYTHON=OFF", "-DCMAKE_BUILD_TYPE=Release"]
     configure = ["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", f"-DPython_EXECUTABLE={sys.executable}", *settings]
     if not (BUILD / "build.ninja").exists():

@@ -14,7 +14,7 @@ from bench.vision.scenes import (
     VGA,
     Motion,
     Picture,
-    Stage,
+    Scene,
     corners_px,
     utime_of,
 )
@@ -29,7 +29,7 @@ def drive(count: int, seed: int) -> Iterator[Picture]:
     """`count` frames of 640x480."""
     rng = np.random.default_rng([seed, 41])
     path = MOTION.path(rng)
-    sharp = Stage(VGA, int(rng.integers(1, 10_000)), noise_sigma=0.0)
+    sharp = Scene(VGA, int(rng.integers(1, 10_000)), noise_sigma=0.0)
     hidden = occlusions(count, rng)
     offsets = (np.arange(EXPOSURES) / (EXPOSURES - 1) - 0.5) * 0.5
     for index in range(count):

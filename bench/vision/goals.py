@@ -1,4 +1,4 @@
-"""What the eye is to reach, as rows: the goal, the baseline's figure, ours, their ratio, and whether it is met."""
+"""What the tracker is to reach, as rows: the goal, the baseline's figure, ours, their ratio, and whether it is met."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from bench.vision.accuracy import Cells
-from bench.vision.eyes import ACQUIRED, TRACKED, VISP_1, VISP_2, WHEEL
 from bench.vision.summary import Figures, ratio
+from bench.vision.trackers import ACQUIRED, TRACKED, VISP_1, VISP_2, WHEEL
 from bench.vision.units import mm, ms, percent
 from bench.vision.without_leader import Verdict
 
@@ -47,39 +47,41 @@ def accuracy_goals(cells: Cells) -> Iterator[Goal]:
     """Time and accuracy in the 640x480 cells."""
     vga = cells[SIZE]
     for d in NEAR_M:
-        eyes = vga[d]
-        ours = eyes[TRACKED].median_ms
+        trackers = vga[d]
+        ours = trackers[TRACKED].median_ms
         for bound, text, baseline in ((1 / 200, "≤ 1/200", VISP_1), (1 / 50, "≤ 1/50", VISP_2)):
-            yield at_most(f"time per tracked frame, {d} m", bound, text, baseline, eyes[baseline].median_ms, ours, ms)
-    for d, eyes in vga.items():
-        theirs, ours = eyes[VISP_2], eyes[ACQUIRED]
+            yield at_most(
+                f"time per tracked frame, {d} m", bound, text, baseline, trackers[baseline].median_ms, ours, ms
+            )
+    for d, trackers in vga.items():
+        theirs, ours = trackers[VISP_2], trackers[ACQUIRED]
         row = at_most(f"time per acquired frame, {d} m", 0.7, "≤ 0.7", VISP_2, theirs.median_ms, ours.median_ms, ms)
         as_often = ours.seen >= theirs.seen
         seen = (f"{row.baseline}, seen {percent(theirs.seen)}", f"{row.ours}, seen {percent(ours.seen)}")
         yield Goal(row.name, f"{row.bound}, seen as often", *seen, row.ratio, row.met and as_often)
-    for d, eyes in vga.items():
-        best = min((VISP_1, WHEEL), key=lambda name: _known(eyes[name].median_mm))
-        yield below(f"median distance error, {d} m", best, eyes[best].median_mm, eyes[TRACKED].median_mm)
+    for d, trackers in vga.items():
+        best = min((VISP_1, WHEEL), key=lambda name: _known(trackers[name].median_mm))
+        yield below(f"median distance error, {d} m", best, trackers[best].median_mm, trackers[TRACKED].median_mm)
     for name, figure in (("median distance error", "median_mm"), ("95th percentile", "p95_mm")):
         for d in NEAR_M:
-            theirs, ours = (getattr(vga[d][eye], figure) for eye in (VISP_1, TRACKED))
+            theirs, ours = (getattr(vga[d][tracker], figure) for tracker in (VISP_1, TRACKED))
             yield at_most(f"{name}, {d} m", 0.5, "≤ 1/2 of ViSP", VISP_1, theirs, ours, mm)
 
 
 def heading_goals(far: dict[str, Figures], head_on: dict[str, Figures]) -> Iterator[Goal]:
     """The filtered heading of a single tag on a sequence."""
-    for name, eyes in (("heading > 10° wrong, 5 m", far), ("heading > 10° wrong, head-on 2 to 4 m", head_on)):
-        baseline = min((VISP_1, WHEEL), key=lambda eye: _known(eyes[eye].headings_wrong))
-        theirs, ours = eyes[baseline].headings_wrong, eyes[TRACKED].headings_wrong
+    for name, trackers in (("heading > 10° wrong, 5 m", far), ("heading > 10° wrong, head-on 2 to 4 m", head_on)):
+        baseline = min((VISP_1, WHEEL), key=lambda tracker: _known(trackers[tracker].headings_wrong))
+        theirs, ours = trackers[baseline].headings_wrong, trackers[TRACKED].headings_wrong
         yield Goal(name, "≤ 1 %", f"{baseline}: {percent(theirs)}", percent(ours), ratio(ours, theirs), ours <= 0.01)
 
 
-def drive_goals(eyes: dict[str, Figures]) -> Iterator[Goal]:
+def drive_goals(trackers: dict[str, Figures]) -> Iterator[Goal]:
     """Frames of the drive in which the leader is seen."""
     for baseline in (VISP_1, VISP_2):
-        theirs, ours = eyes[baseline].seen, eyes[TRACKED].seen
+        theirs, ours = trackers[baseline].seen, trackers[TRACKED].seen
         quotient = ratio(ours, theirs)
-        name = f"frames of the drive with the leader seen, of {eyes[baseline].frames}"
+        name = f"frames of the drive with the leader seen, of {trackers[baseline].frames}"
         yield Goal(name, "≥ 1.0", f"{baseline}: {percent(theirs)}", percent(ours), quotient, quotient >= 1.0)
 
 
@@ -97,8 +99,11 @@ def resolution_goals(by_size: dict[str, dict[str, Figures]]) -> Iterator[Goal]:
         return math.prod(int(side) for side in size.split("x"))
 
     small, large = min(by_size, key=pixels), max(by_size, key=pixels)
-    growth = {eye: ratio(by_size[large][eye].median_ms, by_size[small][eye].median_ms) for eye in (VISP_1, TRACKED)}
-    theirs, ours = (f"{growth[eye]:.2f}x" for eye in (VISP_1, TRACKED))
+    growth = {
+        tracker: ratio(by_size[large][tracker].median_ms, by_size[small][tracker].median_ms)
+        for tracker in (VISP_1, TRACKED)
+    }
+    theirs, ours = (f"{growth[tracker]:.2f}x" for tracker in (VISP_1, TRACKED))
     quotient = ratio(growth[TRACKED], growth[VISP_1])
     name = f"time at {large} over {small}, tracked"
     yield Goal(name, f"flat: ≤ {FLAT}x", f"{VISP_1}: {theirs}", ours, quotient, growth[TRACKED] <= FLAT)
@@ -106,10 +111,10 @@ def resolution_goals(by_size: dict[str, dict[str, Figures]]) -> Iterator[Goal]:
 
 def visp_goals(medians: dict[str, dict[str, float]]) -> Iterator[Goal]:
     """On ViSP's own pictures nobody shall be better."""
-    for size, by_eye in medians.items():
-        best = min((VISP_1, WHEEL), key=lambda eye: _known(by_eye[eye]))
+    for size, by_tracker in medians.items():
+        best = min((VISP_1, WHEEL), key=lambda tracker: _known(by_tracker[tracker]))
         name = f"median distance error, ViSP's picture {size}"
-        yield below(name, best, by_eye[best], by_eye[TRACKED])
+        yield below(name, best, by_tracker[best], by_tracker[TRACKED])
 
 
 def _known(value: float) -> float:

@@ -1,4 +1,4 @@
-"""Pilotfish's eye, in the two ways in which it sees. This file alone knows the API of pilotfish.vision."""
+"""Pilotfish's tracker, in the two ways in which it sees. This file alone knows the API of pilotfish.vision."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Ours:
             camera=camera, body=leader, config=config or vision.LeaderObserverConfig()
         )
 
-    def look(self, image: np.ndarray, utime: int) -> Answer:
+    def track(self, image: np.ndarray, utime: int) -> Answer:
         """The answer to one frame; frames come in the order of their utime."""
         if not self._tracking:
             self.forget()

@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 
 from rich.table import Table
 
-from bench.vision import eyes as who
 from bench.vision import goals, sequences
+from bench.vision import trackers as who
 from bench.vision.accuracy import DISTANCES_M, Cells, accuracy
 from bench.vision.drive import drive
-from bench.vision.eyes import Cast
 from bench.vision.goals import Goal
 from bench.vision.resolutions import SIZES, cost_by_resolution
-from bench.vision.runs import Eye, compare
+from bench.vision.runs import Tracker, compare
 from bench.vision.scenes import VGA
 from bench.vision.summary import Figures, as_json
 from bench.vision.tables import accuracy_tables, figures_table, medians_table, verdict_table
+from bench.vision.trackers import Cast
 from bench.vision.visp_images import FOCAL_PX, medians, on_visp_images, targets
 from bench.vision.without_leader import wrong_leaders
 from pilotfish import core
@@ -68,18 +68,18 @@ class Task:
 
 
 def run_accuracy(task: Task) -> Outcome:
-    def eyes(camera: core.CameraModel) -> list[Eye]:
-        return task.cast.eyes(camera, ALL if camera.width == VGA.width else FAST)
+    def trackers(camera: core.CameraModel) -> list[Tracker]:
+        return task.cast.trackers(camera, ALL if camera.width == VGA.width else FAST)
 
     frames = {"640x480": task.effort.vga, "1280x720": task.effort.hd}
-    cells = accuracy(eyes, frames, task.seed, task.on_frame)
+    cells = accuracy(trackers, frames, task.seed, task.on_frame)
     data = {size: {str(d): _json(figures) for d, figures in cell.items()} for size, cell in cells.items()}
     return Outcome(accuracy_tables(cells), list(goals.accuracy_goals(cells)), data, cells=cells)
 
 
 def run_drive(task: Task) -> Outcome:
-    eyes = task.cast.eyes(VGA, [who.TRACKED, who.ACQUIRED, who.VISP_1, who.VISP_2])
-    figures = compare(eyes, drive(task.effort.drive, task.seed), task.on_frame)
+    trackers = task.cast.trackers(VGA, [who.TRACKED, who.ACQUIRED, who.VISP_1, who.VISP_2])
+    figures = compare(trackers, drive(task.effort.drive, task.seed), task.on_frame)
     table = figures_table("drive with motion blur, 20 % of the frames with the tag partly or wholly hidden", figures)
     return Outcome([table], list(goals.drive_goals(figures)), _json(figures))
 
@@ -87,7 +87,7 @@ def run_drive(task: Task) -> Outcome:
 def run_lens(task: Task) -> Outcome:
     camera = sequences.DISTORTED
     shown = sequences.through_lens(task.effort.lens, task.seed)
-    figures = compare(task.cast.eyes(camera, FAST), shown, task.on_frame)
+    figures = compare(task.cast.trackers(camera, FAST), shown, task.on_frame)
     title = f"1.1 m through a lens with k1 = {camera.k1}, k2 = {camera.k2}"
     return Outcome([figures_table(title, figures)], [], _json(figures))
 
@@ -97,18 +97,18 @@ def run_headings(task: Task) -> Outcome:
         "5 m": sequences.far(task.effort.far, task.seed),
         "head-on, 2 to 4 m": sequences.head_on(task.effort.head_on, task.seed),
     }
-    figures = {name: compare(task.cast.eyes(VGA, FLIPPING), shots, task.on_frame) for name, shots in shown.items()}
-    tables = [figures_table(f"one tag, {name}", of_eye) for name, of_eye in figures.items()]
+    figures = {name: compare(task.cast.trackers(VGA, FLIPPING), shots, task.on_frame) for name, shots in shown.items()}
+    tables = [figures_table(f"one tag, {name}", of_tracker) for name, of_tracker in figures.items()]
     rows = list(goals.heading_goals(figures["5 m"], figures["head-on, 2 to 4 m"]))
-    return Outcome(tables, rows, {name: _json(of_eye) for name, of_eye in figures.items()})
+    return Outcome(tables, rows, {name: _json(of_tracker) for name, of_tracker in figures.items()})
 
 
 def run_visp_images(task: Task) -> Outcome:
-    def eyes(camera: core.CameraModel, target: who.Target) -> list[Eye]:
+    def trackers(camera: core.CameraModel, target: who.Target) -> list[Tracker]:
         leader = core.LeaderBody([core.BodyTag(id=target.tag_id, size_m=target.size_m)])
-        return Cast(task.cast.compiled, task.cast.wheels, target, leader).eyes(camera, ALL)
+        return Cast(task.cast.compiled, task.cast.wheels, target, leader).trackers(camera, ALL)
 
-    by_tag = on_visp_images(eyes, task.effort.repeats, task.on_frame)
+    by_tag = on_visp_images(trackers, task.effort.repeats, task.on_frame)
     middle = {size: medians(of_tag) for size, of_tag in by_tag.items()}
     table = medians_table("ViSP's pictures: median distance error over the five tags", middle)
     data = {size: {str(tag): _json(figures) for tag, figures in of_tag.items()} for size, of_tag in by_tag.items()}
@@ -121,10 +121,10 @@ def run_without_leader(task: Task) -> Outcome:
 
 
 def run_resolutions(task: Task) -> Outcome:
-    def eyes(camera: core.CameraModel) -> list[Eye]:
-        return task.cast.eyes(camera, [who.TRACKED, who.ACQUIRED, who.VISP_1, who.VISP_2])
+    def trackers(camera: core.CameraModel) -> list[Tracker]:
+        return task.cast.trackers(camera, [who.TRACKED, who.ACQUIRED, who.VISP_1, who.VISP_2])
 
-    by_size = cost_by_resolution(eyes, task.effort.resolutions, task.seed, task.on_frame)
+    by_size = cost_by_resolution(trackers, task.effort.resolutions, task.seed, task.on_frame)
     tables = [figures_table(f"the same tag, 60 px wide, in {size}", figures) for size, figures in by_size.items()]
     data = {size: _json(figures) for size, figures in by_size.items()}
     return Outcome(tables, list(goals.resolution_goals(by_size)), data, by_size=by_size)
@@ -153,4 +153,4 @@ PARTS = {
 
 
 def _json(figures: dict[str, Figures]) -> dict[str, dict]:
-    return {name: as_json(of_eye) for name, of_eye in figures.items()}
+    return {name: as_json(of_tracker) for name, of_tracker in figures.items()}

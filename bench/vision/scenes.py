@@ -137,7 +137,7 @@ class Motion:
         return [path(k / FRAME_RATE_HZ) for k in range(count)]
 
 
-class Stage:
+class Scene:
     """A camera before which a leader can be put. Same seed: same bytes."""
 
     def __init__(self, camera: core.CameraModel, seed: int, **imperfections: float):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bench.vision.scenes import VGA, Motion, Picture, Stage, camera_of
+from bench.vision.scenes import VGA, Motion, Picture, Scene, camera_of
 from pilotfish import core
 
 DISTORTED = camera_of(640, 480, 600.0, k1=-0.25, k2=0.08)
@@ -14,7 +14,7 @@ def sequence(camera: core.CameraModel, motion: Motion, count: int, seed: int) ->
     """Frames of one leader before one background."""
     rng = np.random.default_rng([seed, round(1000 * motion.distance_m), round(motion.max_yaw_deg)])
     poses = motion.poses(count, rng)
-    return list(Stage(camera, int(rng.integers(1, 10_000))).pictures(poses))
+    return list(Scene(camera, int(rng.integers(1, 10_000))).pictures(poses))
 
 
 def through_lens(count: int, seed: int) -> list[Picture]:

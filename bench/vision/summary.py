@@ -1,4 +1,4 @@
-"""From the answers of one eye to a sequence of frames to its figures."""
+"""From the answers of one tracker to a sequence of frames to its figures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ CLOSE_SHARE = 0.1  # a leader counts as seen if its distance is right to a tenth
 
 @dataclass(frozen=True)
 class Figures:
-    """Of one eye in one sequence. Errors are over the frames in which it saw the leader; NaN if it never did."""
+    """Of one tracker in one sequence. Errors are over the frames in which it saw the leader; NaN if it never did."""
 
     frames: int
     seen: float  # share of the frames with an answer whose distance is right to a tenth
@@ -25,12 +25,12 @@ class Figures:
     normals_wrong: float  # share of the answers
     headings_wrong: float  # share of the answers
     median_ms: float  # per frame, seen or not
-    cold_ms: float  # the same of the first frames of the bursts: another eye has just used the caches
+    cold_ms: float  # the same of the first frames of the bursts: another tracker has just used the caches
     found_by: dict[str, int]
 
 
 def figures_of(answers: Sequence[Answer], truths: Sequence[np.ndarray], burst: int = 1) -> Figures:
-    """`truths`: cMt (4, 4) of each frame; `burst`: how many frames an eye looked at in a row."""
+    """`truths`: cMt (4, 4) of each frame; `burst`: how many frames a tracker looked at in a row."""
     errors = [errors_of(answer, truth) for answer, truth in zip(answers, truths, strict=True)]
     distance_mm = 1e3 * np.array([e.distance_m for e in errors])
     allowed_mm = 1e3 * CLOSE_SHARE * np.array([np.linalg.norm(truth[:3, 3]) for truth in truths])

@@ -12,10 +12,10 @@ from bench.vision.without_leader import Verdict
 
 
 def figures_table(title: str, figures: dict[str, Figures]) -> Table:
-    """One row an eye, one sequence."""
+    """One row a tracker, one sequence."""
     table = Table(title=title, title_justify="left")
     columns = ("seen", "median", "p95", "bias", "normals > 10°", "headings > 10°", "time", "cold")
-    table.add_column("eye")
+    table.add_column("tracker")
     for column in columns:
         table.add_column(column, justify="right")
     for name, f in figures.items():
@@ -35,13 +35,13 @@ def accuracy_tables(cells: Cells) -> list[Table]:
 
 
 def medians_table(title: str, medians: dict[str, dict[str, float]]) -> Table:
-    """`medians`: [mm] by column and eye."""
+    """`medians`: [mm] by column and tracker."""
     table = Table(title=title, title_justify="left")
-    table.add_column("eye")
+    table.add_column("tracker")
     for column in medians:
         table.add_column(column, justify="right")
     for name in next(iter(medians.values())):
-        table.add_row(name, *[mm(by_eye[name]) for by_eye in medians.values()])
+        table.add_row(name, *[mm(by_tracker[name]) for by_tracker in medians.values()])
     return table
 
 

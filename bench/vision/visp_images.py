@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from bench.vision.baselines import Target
-from bench.vision.runs import Eye, compare
+from bench.vision.runs import Tracker, compare
 from bench.vision.scenes import Picture, camera_of, utime_of
 from bench.vision.summary import Figures
 from pilotfish import core
@@ -31,21 +31,21 @@ def truth(tag_id: int) -> np.ndarray:
 
 
 def on_visp_images(
-    eyes_for: Callable[[core.CameraModel, Target], Sequence[Eye]], repeats: int, on_frame: Callable[[], None]
+    trackers_for: Callable[[core.CameraModel, Target], Sequence[Tracker]], repeats: int, on_frame: Callable[[], None]
 ) -> dict[str, dict[int, dict[str, Figures]]]:
-    """By frame size, tag and eye. The same picture is shown `repeats` times: a tracker acquires it, then tracks it."""
+    """By frame size, tag and tracker. The same picture comes `repeats` times: a tracker acquires it, then tracks it."""
     figures: dict[str, dict[int, dict[str, Figures]]] = {}
     for (width, height), f_px in FOCAL_PX.items():
         size = f"{width}x{height}"
         image = np.array(Image.open(FOLDER / size / f"tag36_11_{size}.png").convert("L"))
         for target in targets():
             shown = [Picture(image, truth(target.tag_id), utime_of(k)) for k in range(repeats)]
-            eyes = eyes_for(camera_of(width, height, f_px), target)
-            figures.setdefault(size, {})[target.tag_id] = compare(eyes, shown, on_frame)
+            trackers = trackers_for(camera_of(width, height, f_px), target)
+            figures.setdefault(size, {})[target.tag_id] = compare(trackers, shown, on_frame)
     return figures
 
 
 def medians(by_tag: dict[int, dict[str, Figures]]) -> dict[str, float]:
-    """Median distance error [mm] over the five tags, by eye; NaN if it misses one."""
+    """Median distance error [mm] over the five tags, by tracker; NaN if it misses one."""
     names = next(iter(by_tag.values()))
     return {name: float(np.median([figures[name].median_mm for figures in by_tag.values()])) for name in names}

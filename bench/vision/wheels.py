@@ -23,7 +23,7 @@ class AprilTagWheel:
         self._intrinsics, self._tag_id, self._size_m = intrinsics, tag_id, size_m
         self._distortion = np.array(distortion)
 
-    def look(self, image: np.ndarray) -> np.ndarray | None:
+    def track(self, image: np.ndarray) -> np.ndarray | None:
         for found in self._detector.detect(image):
             if found["id"] == self._tag_id:
                 if self._distortion.size:
@@ -66,7 +66,7 @@ class ArUco:
         # IPPE_SQUARE wants this order. Which corner ArUco calls the first does not matter: the square is symmetric.
         self._square = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]) * size_m / 2
 
-    def look(self, image: np.ndarray) -> np.ndarray | None:
+    def track(self, image: np.ndarray) -> np.ndarray | None:
         import cv2
 
         corners, ids, _ = self._detector.detectMarkers(image)
@@ -78,7 +78,7 @@ class ArUco:
         return None
 
 
-EYES = {
+TRACKERS = {
     "apriltag": AprilTagWheel,
     "aruco subpix": lambda **parts: ArUco("SUBPIX", **parts),
     "aruco apriltag": lambda **parts: ArUco("APRILTAG", **parts),
@@ -105,17 +105,17 @@ def serve(pipe: Connection) -> None:
     except PackageNotFoundError as error:
         pipe.send(error)
         return
-    eyes = {}
+    trackers = {}
     with contextlib.suppress(EOFError):
         while True:
             what, key, argument = pipe.recv()
             try:
                 if what == "make":
-                    eyes[key] = EYES[argument.pop("kind")](**argument)
+                    trackers[key] = TRACKERS[argument.pop("kind")](**argument)
                     pipe.send(None)
                 else:
                     start = time.perf_counter_ns()
-                    cMt = eyes[key].look(argument)
+                    cMt = trackers[key].track(argument)
                     pipe.send((time.perf_counter_ns() - start, cMt))
             except Exception as error:  # the asker is told, and decides
                 pipe.send(error)

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench.vision.ours import Ours
-from bench.vision.scenes import LEADER, TAG_ID, TAG_SIZE_M, VGA, Motion, Stage, utime_of
+from bench.vision.scenes import LEADER, TAG_ID, TAG_SIZE_M, VGA, Motion, Scene, utime_of
 from pilotfish import core, vision
 
 PERIOD = 20
 FOREIGN_FAMILIES = ("tag36h10", "tag25h9", "tag16h5", "tagStandard41h12", "tagCircle21h7")
-Scene = dict[str, np.ndarray]  # one scene four times: "leader", "other id", "other family", "nobody"
+Variants = dict[str, np.ndarray]  # one scene four times: "leader", "other id", "other family", "nobody"
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Verdict:
 class Pieces:
     """What frames are put together from."""
 
-    scenes: list[Scene]
+    scenes: list[Variants]
     crowds: list[np.ndarray]  # (H, W) uint8: several tags, none of them the leader's
     noise: np.ndarray  # (N, H, W) int16
 
@@ -53,15 +53,15 @@ def prepared(scenes: int, seed: int) -> Pieces:
     rng = np.random.default_rng([seed, 71])
     pieces = Pieces([], [], np.rint(rng.normal(0, 4, (4, VGA.height, VGA.width))).astype(np.int16))
     for k in range(scenes):
-        stage = Stage(VGA, int(rng.integers(1, 10_000)))
+        renderer = Scene(VGA, int(rng.integers(1, 10_000)))
         pose = Motion(float(rng.uniform(0.6, 5.0))).poses(1, rng)[0]
         foreign = other_leader(rng, FOREIGN_FAMILIES[k % len(FOREIGN_FAMILIES)])
         worn = {"leader": LEADER, "other id": other_leader(rng, "tag36h11"), "other family": foreign}
-        scene = {what: stage.image([(leader, pose)], k) for what, leader in worn.items()}
-        pieces.scenes.append(scene | {"nobody": stage.image([], k)})
+        variants = {what: renderer.image([(leader, pose)], k) for what, leader in worn.items()}
+        pieces.scenes.append(variants | {"nobody": renderer.image([], k)})
         families = ["tag36h11", "tag36h11", *rng.choice(FOREIGN_FAMILIES, 2)]
         crowd = [(other_leader(rng, f), Motion(float(rng.uniform(0.5, 4.0))).poses(1, rng)[0]) for f in families]
-        pieces.crowds.append(stage.image(crowd, k))
+        pieces.crowds.append(renderer.image(crowd, k))
     return pieces
 
 
@@ -126,10 +126,10 @@ def disturbed(image: np.ndarray, noise: np.ndarray, rng: np.random.Generator) ->
 
 def wrong_leaders(count: int, scenes: int, seed: int, on_frame: Callable[[], None]) -> Verdict:
     """Shows `count` frames to Pilotfish's tracker and counts what it takes for the leader."""
-    eye = Ours(VGA, LEADER, tracking=True)
+    tracker = Ours(VGA, LEADER, tracking=True)
     wrong = shown = seen = 0
     for index, (is_leader, image) in enumerate(frames(count, prepared(scenes, seed), seed)):
-        found = eye.look(image, utime_of(index)).cMt is not None
+        found = tracker.track(image, utime_of(index)).cMt is not None
         shown += is_leader
         seen += is_leader and found
         wrong += found and not is_leader

@@ -35,7 +35,7 @@ def main(
     build: Annotated[Path, typer.Option(help="The build tree.")] = RELEASE,
     out: Annotated[Path, typer.Option(help="Folder for visp.json.")] = Path("out/bench"),
 ) -> None:
-    """Show one tag, then three at once, to each eye; print time and error of each, and the ratio to ViSP."""
+    """Show one tag, then three at once, to each tracker; print time and error of each, and the ratio to ViSP."""
     program = built("visp/visp_benchmark", build)
     count = 60 if quick else pictures
     result: dict[str, object] = {
@@ -63,12 +63,12 @@ def main(
 
 
 def _times(rows: list[Figures], title: str) -> Table:
-    reference = next(row for row in rows if row.eye == REFERENCE)
+    reference = next(row for row in rows if row.tracker == REFERENCE)
     caption = f"ratio: time of '{REFERENCE}' over this one's"
     table = _table(f"{title}: time per picture, in ms", caption, ("median", "ratio", "mean", "ratio", "p95"))
     for row in rows:
         table.add_row(
-            row.eye,
+            row.tracker,
             f"{row.median_ms:.2f}",
             f"{reference.median_ms / row.median_ms:.1f}",
             f"{row.mean_ms:.2f}",
@@ -84,7 +84,7 @@ def _errors(rows: list[Figures], title: str) -> Table:
     table = _table(f"{title}: errors", caption, headings)
     for row in rows:
         table.add_row(
-            row.eye,
+            row.tracker,
             f"{100 * row.seen:.1f} %",
             f"{row.translation_rms_mm:.2f}",
             " ".join(f"{value:+.2f}" for value in row.bias_mm),
@@ -96,7 +96,7 @@ def _errors(rows: list[Figures], title: str) -> Table:
 
 def _table(title: str, caption: str, headings: tuple[str, ...]) -> Table:
     table = Table(title=title, title_justify="left", caption=caption, box=SIMPLE)
-    table.add_column("eye", no_wrap=True)
+    table.add_column("tracker", no_wrap=True)
     for heading in headings:
         table.add_column(heading, justify="right")
     return table

@@ -1,4 +1,4 @@
-"""From the lines of visp_benchmark to one row an eye."""
+"""From the lines of visp_benchmark to one row a tracker."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FLIPPED_DEG = 10.0  # a tag seen from afar has two poses; farther off, it is the
 
 @dataclass(frozen=True)
 class Figures:
-    eye: str
+    tracker: str
     median_ms: float
     mean_ms: float
     p95_ms: float
@@ -41,7 +41,7 @@ def rms(values: Iterable[float]) -> float:
     return math.sqrt(fmean(squares)) if squares else math.nan
 
 
-def figures_of(eye: str, lines: list[dict]) -> Figures:
+def figures_of(tracker: str, lines: list[dict]) -> Figures:
     times_ms = [line["elapsed_ns"] * 1e-6 for line in lines]
     total, translations, rotations = 0, [], []
     for tag in (tag for line in lines for tag in line["tags"]):
@@ -57,7 +57,7 @@ def figures_of(eye: str, lines: list[dict]) -> Figures:
     unflipped = [angle for angle in rotations if angle <= FLIPPED_DEG]
     bias = np.mean(translations, axis=0) if translations else np.full(3, np.nan)
     return Figures(
-        eye,
+        tracker,
         median(times_ms),
         fmean(times_ms),
         quantile(times_ms, 0.95),
@@ -72,7 +72,7 @@ def figures_of(eye: str, lines: list[dict]) -> Figures:
 
 def all_figures(lines: list[dict]) -> list[Figures]:
     """In the order of their rows."""
-    by_eye: dict[str, list[dict]] = {}
+    by_tracker: dict[str, list[dict]] = {}
     for line in sorted(lines, key=lambda each: each["row"]):
-        by_eye.setdefault(line["eye"], []).append(line)
-    return [figures_of(eye, theirs) for eye, theirs in by_eye.items()]
+        by_tracker.setdefault(line["tracker"], []).append(line)
+    return [figures_of(tracker, theirs) for tracker, theirs in by_tracker.items()]

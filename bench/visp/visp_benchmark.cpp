@@ -3,9 +3,9 @@
 //
 //   visp_benchmark PICTURES TAGS SEED
 //
-// Prints a line of JSON for each eye and picture: {"eye", "row", "picture", "elapsed_ns", "tags": [{"id", "truth",
-// "pose"}]}, row: to sort by; with every tag that is in the picture, poses as 16 numbers row by row (null where the eye
-// did not see it). The clock runs around detection and poses, and nothing else.
+// Prints a line of JSON for each tracker and picture: {"tracker", "row", "picture", "elapsed_ns", "tags": [{"id",
+// "truth", "pose"}]}, row: to sort by; with every tag that is in the picture, poses as 16 numbers row by row (null
+// where the tracker did not see it). The clock runs around detection and poses, and nothing else.
 //
 // vpDetectorAprilTag has pixel centres at +0.5. Its rows get a principal point of (u0 + 0.5, v0 + 0.5), except for the
 // one that is named "as calibrated".
@@ -34,31 +34,31 @@ namespace {
 using Poses = std::vector<vpHomogeneousMatrix>;
 constexpr double kSize_m = 0.16, kRate_hz = 30.0, kPi = 3.14159265358979323846;
 
-struct Eye {
+struct Tracker {
   std::string name;
   std::function<std::vector<int>(const vpImage<unsigned char>&, Poses&)> look;  ///< ids and poses
 };
 
 template <class Detector>
-Eye eye(const std::string& name, std::shared_ptr<Detector> detector, const vpCameraParameters& camera) {
+Tracker tracker(const std::string& name, std::shared_ptr<Detector> detector, const vpCameraParameters& camera) {
   return {name, [detector, camera](const vpImage<unsigned char>& image, Poses& poses) {
             detector->detect(image, kSize_m, camera, poses);
             return detector->getTagsId();
           }};
 }
 
-Eye visp(const std::string& name, float decimation, double shift_px, const pilotfish::CameraModel& camera,
-         vpDetectorAprilTag::vpPoseEstimationMethod method = vpDetectorAprilTag::HOMOGRAPHY_VIRTUAL_VS) {
+Tracker visp(const std::string& name, float decimation, double shift_px, const pilotfish::CameraModel& camera,
+             vpDetectorAprilTag::vpPoseEstimationMethod method = vpDetectorAprilTag::HOMOGRAPHY_VIRTUAL_VS) {
   auto detector = std::make_shared<vpDetectorAprilTag>(vpDetectorAprilTag::TAG_36h11, method);
   detector->setAprilTagQuadDecimate(decimation);
   detector->setAprilTagNbThreads(1);
-  return eye(name, detector, {camera.fx, camera.fy, camera.cx + shift_px, camera.cy + shift_px});
+  return tracker(name, detector, {camera.fx, camera.fy, camera.cx + shift_px, camera.cy + shift_px});
 }
 
-Eye ours(const std::string& name, int search_period, const pilotfish::CameraModel& camera) {
+Tracker ours(const std::string& name, int search_period, const pilotfish::CameraModel& camera) {
   auto tracker = std::make_shared<pilotfish::visp::TagTracker>();
   tracker->setSearchPeriod(search_period);
-  return eye(name, tracker, pilotfish::visp::camera_parameters_of(camera));
+  return tracker(name, tracker, pilotfish::visp::camera_parameters_of(camera));
 }
 
 /// Tag `i` of `count` at the time t: side by side, 0.7 to 2.5 m away, to and fro at up to 0.4 m/s, yaw up to 60 and
@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
   std::vector<int> ids;
   for (int i = 0; i < count; ++i) ids.push_back(i);
   const pilotfish::bench::RenderedTags scene(camera, ids, kSize_m, {}, seed);
-  const std::vector<Eye> eyes = {
+  const std::vector<Tracker> trackers = {
       ours("TagTracker", 10, camera),
       ours("TagTracker, period 0", 0, camera),
       ours("TagTracker, period 1", 1, camera),
@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
   half_turn.linear().diagonal() << 1.0, -1.0, -1.0;
 
   std::mt19937_64 random(seed);
-  std::vector<std::size_t> order(eyes.size());
+  std::vector<std::size_t> order(trackers.size());
   std::iota(order.begin(), order.end(), 0U);
   for (int k = 0; k < pictures; ++k) {
     std::vector<std::optional<Eigen::Isometry3d>> cMt;
@@ -117,10 +117,10 @@ int main(int argc, char** argv) {
     const vpImage<unsigned char> image = scene.picture(cMt, seed * 1'000'000 + static_cast<std::uint64_t>(k));
     std::shuffle(order.begin(), order.end(), random);
     for (const std::size_t turn : order) {
-      const Eye& each = eyes[turn];
+      const Tracker& each = trackers[turn];
       Poses poses;
       const auto begin = std::chrono::steady_clock::now();
-      const std::vector<int> seen = each.look(image, poses);
+      const std::vector<int> seen = each.track(image, poses);
       const std::chrono::nanoseconds elapsed = std::chrono::steady_clock::now() - begin;
       nlohmann::json tags = nlohmann::json::array();
       for (int i = 0; i < count; ++i) {
@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
         tags.push_back(tag);
       }
       const nlohmann::json line = {
-          {"eye", each.name}, {"row", turn}, {"picture", k}, {"elapsed_ns", elapsed.count()}, {"tags", tags}};
+          {"tracker", each.name}, {"row", turn}, {"picture", k}, {"elapsed_ns", elapsed.count()}, {"tags", tags}};
       std::puts(line.dump().c_str());
     }
   }

@@ -44,7 +44,7 @@ int main() {
       const int step = (row < 4 ? 3 - row : 4 - row) + (3 - column);
       controller.rules.consequents.push_back(static_cast<std::size_t>(3 + (step > 3 ? 3 : step < -3 ? -3 : step)));
     }
-  fuzzy::prove(controller);  // throws, naming the set or the rule, if some input had no answer
+  fuzzy::validate(controller);  // throws, naming the set or the rule, if some input had no answer
 
   double gap_m = 1.8, last_error_m = 1.0 - gap_m;
   for (int step = 0; step <= 60; ++step) {

@@ -55,7 +55,7 @@ void bind_kinematics(py::module_& m) {
 
   bind_parameters<WheelLimitsConfig>(m, "WheelLimitsConfig", "What the wheels are allowed, whoever asks.");
   m.def("limit", &base::limit, py::arg("limits"), py::arg("geometry"), py::kw_only(), py::arg("wanted"),
-        py::arg("told"), py::arg("dt_s"), "`wanted`, as near as the limits allow, a time dt_s after `told`.");
+        py::arg("last"), py::arg("dt_s"), "`wanted`, as near as the limits allow, a time dt_s after `last`.");
 }
 
 void bind_guards(py::module_& m) {
@@ -73,7 +73,7 @@ void bind_guards(py::module_& m) {
   py::enum_<LatchVerdict>(m, "LatchVerdict", "What became of a setpoint.")
       .value("stopped", LatchVerdict::stopped)
       .value("resumed", LatchVerdict::resumed)
-      .value("noted", LatchVerdict::noted)
+      .value("already_running", LatchVerdict::already_running)
       .value("other_session", LatchVerdict::other_session)
       .value("replayed", LatchVerdict::replayed);
   bind_parameters<CommandGuardConfig>(m, "CommandGuardConfig", "How long a command, and a silent sender, count.");
@@ -90,7 +90,7 @@ void bind_base(py::module_& m) {
       .value("fault", BaseState::fault);
   py::class_<BaseOutput>(m, "BaseOutput", "What the wheels are to be told, and why.")
       .def_readonly("state", &BaseOutput::state, "BaseState: what the wheels' process is doing")
-      .def_readonly("told", &BaseOutput::told, "Twist behind every limit; zero unless driving")
+      .def_readonly("command", &BaseOutput::command, "Twist behind every limit; zero unless driving")
       .def_readonly("obeys", &BaseOutput::obeys, "0: nobody");
   py::class_<Base>(m, "Base", "Everything that decides what the wheels are told; times are on a monotonic clock [us].")
       .def(py::init<const BaseConfig&, std::int64_t, bool>(), py::arg("config"), py::kw_only(), py::arg("session"),
@@ -100,8 +100,8 @@ void bind_base(py::module_& m) {
           "command",
           [](Base& self, std::int64_t session, std::int64_t counter, std::int64_t base_session, const Twist& twist,
              bool simulated, std::int64_t now_us, std::optional<std::int64_t> arrived_us) {
-            return self.hear(CommandHeard{session, counter, base_session, twist, simulated},
-                             {arrived_us.value_or(now_us)}, {now_us});
+            return self.receive(ReceivedCommand{session, counter, base_session, twist, simulated},
+                                {arrived_us.value_or(now_us)}, {now_us});
           },
           py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("base_session"), py::arg("twist"),
           py::arg("simulated") = false, py::arg("now_us"), py::arg("arrived_us") = py::none(),
@@ -110,7 +110,7 @@ void bind_base(py::module_& m) {
       .def(
           "setpoint",
           [](Base& self, std::int64_t session, std::int64_t counter, bool run, std::int64_t now_us) {
-            return self.hear(SetpointHeard{session, counter, run}, {now_us});
+            return self.receive(ReceivedSetpoint{session, counter, run}, {now_us});
           },
           py::kw_only(), py::arg("session") = 0, py::arg("counter") = 0, py::arg("run"), py::arg("now_us"),
           "LatchVerdict of a setpoint: run=False latches a stop whoever says so; run=True must name the obeyed session "

@@ -38,13 +38,13 @@ PYBIND11_MODULE(blackbox, m) {
           "known_age_us [us] old then; result: StepResult; coordinator: after the call.")
       .def("setpoint", &BlackBox::setpoint, py::arg("setpoint"), py::arg("taken"), py::arg("coordinator"), Release(),
            "Right after set_setpoint(). taken: what the coordinator returned; coordinator: after the call.")
-      .def("own_motion", &BlackBox::own_motion, py::arg("utime"), py::arg("twist"), py::arg("taken"),
+      .def("ego_motion", &BlackBox::ego_motion, py::arg("utime"), py::arg("twist"), py::arg("taken"),
            py::arg("coordinator"), Release(),
-           "Right after set_own_motion(utime, twist). taken: what the coordinator returned; coordinator: after the "
+           "Right after set_ego_motion(utime, twist). taken: what the coordinator returned; coordinator: after the "
            "call.")
-      .def("announced_motion", &BlackBox::announced_motion, py::arg("utime"), py::arg("twist"), py::arg("taken"),
+      .def("leader_intent", &BlackBox::leader_intent, py::arg("utime"), py::arg("twist"), py::arg("taken"),
            py::arg("coordinator"), Release(),
-           "Right after set_announced_motion(utime, twist). taken: what the coordinator returned; coordinator: after "
+           "Right after set_leader_intent(utime, twist). taken: what the coordinator returned; coordinator: after "
            "the call.")
       .def(
           "sent",

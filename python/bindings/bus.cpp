@@ -36,7 +36,7 @@ void bind_reports(py::module_& m) {
 
   py::class_<SetpointReport>(
       m, "SetpointReport",
-      "pilotfish.setpoint_t, out and in. A stop that cannot be believed in anything else comes in "
+      "pilotfish.setpoint_t, out and in. A stop that cannot be accepted in anything else comes in "
       "with session and counter 0.")
       .def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, const Setpoint& setpoint) {
              return SetpointReport{utime, session, counter, setpoint};
@@ -140,18 +140,19 @@ void bind_reports(py::module_& m) {
       .def_readwrite("setpoint_counter", &StatusReport::setpoint_counter,
                      "of the last setpoint accepted in this session; the next must be higher")
       .def_readwrite("setpoint", &StatusReport::setpoint, "Setpoint that is kept")
-      .def_readwrite("trust", &StatusReport::trust,
+      .def_readwrite("feed_forward_weight", &StatusReport::feed_forward_weight,
                      "share of the feed-forward in the command, 0 to 1; 0: the law as published")
-      .def_readwrite("leader_radial_mps", &StatusReport::leader_radial_mps,
-                     "the leader's own speed along the line of sight [m/s], positive: away; 0 while trust is 0")
+      .def_readwrite(
+          "leader_radial_mps", &StatusReport::leader_radial_mps,
+          "the leader's own speed along the line of sight [m/s], positive: away; 0 while feed_forward_weight is 0")
       .def_readwrite("leader_tangential_mps", &StatusReport::leader_tangential_mps,
-                     "and across it [m/s], positive: to the left; 0 while trust is 0")
+                     "and across it [m/s], positive: to the left; 0 while feed_forward_weight is 0")
       .def_readwrite("leader_turn_rate_radps", &StatusReport::leader_turn_rate_radps,
-                     "the leader's turn rate [rad/s], positive: to the left; 0 while trust is 0")
-      .def_readwrite("own_motion", &StatusReport::own_motion,
-                     "number of the own motion's source: status_t's OWN_MOTION_ numbers")
-      .def_readwrite("announcement", &StatusReport::announcement,
-                     "number of what the leader's announcement is worth: status_t's ANNOUNCEMENT_ numbers")
+                     "the leader's turn rate [rad/s], positive: to the left; 0 while feed_forward_weight is 0")
+      .def_readwrite("ego_motion", &StatusReport::ego_motion,
+                     "number of the own motion's source: status_t's EGO_MOTION_ numbers")
+      .def_readwrite("leader_intent", &StatusReport::leader_intent,
+                     "number of what the leader's intent is worth: status_t's LEADER_INTENT_ numbers")
       .def_readwrite("latency_s", &StatusReport::latency_s,
                      "to the command, median of the last frames [s]; without what the wheel driver takes")
       .def_readwrite("latency_from_exposure", &StatusReport::latency_from_exposure,

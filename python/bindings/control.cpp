@@ -14,29 +14,29 @@ using namespace pilotfish::python;
 namespace {
 
 void bind_estimator(py::module_& m) {
-  py::enum_<OwnMotionSource>(m, "OwnMotionSource", "Where the own motion is taken from.")
-      .value("commanded", OwnMotionSource::commanded)
-      .value("odometry", OwnMotionSource::odometry);
-  py::class_<OwnMotion>(m, "OwnMotion", "Dead reckoning through a model of the drive, in an odometry frame.")
+  py::enum_<EgoMotionSource>(m, "EgoMotionSource", "Where the own motion is taken from.")
+      .value("commanded", EgoMotionSource::commanded)
+      .value("odometry", EgoMotionSource::odometry);
+  py::class_<EgoMotion>(m, "EgoMotion", "Dead reckoning through a model of the drive, in an odometry frame.")
       .def(py::init<const DriveModelConfig&, const LimitsConfig&>(), py::arg("drive") = DriveModelConfig{},
            py::arg("limits") = LimitsConfig{},
            "drive: latency and lag of the wheels; limits: acceleration of the drive's ramp. The odometry frame begins "
            "where the robot stands.")
-      .def("command", &OwnMotion::command, py::arg("twist"), py::arg("acts_utime"),
+      .def("command", &EgoMotion::command, py::arg("twist"), py::arg("acts_utime"),
            "From acts_utime [us] on the wheels are told this Twist; commands come in the order in which they act.")
-      .def("measured", &OwnMotion::measured, py::arg("utime"), py::arg("twist"),
+      .def("measured", &EgoMotion::measured, py::arg("utime"), py::arg("twist"),
            "What odometry says; False if it cannot be used.")
-      .def("advance_to", &OwnMotion::advance_to, py::arg("utime"),
+      .def("advance_to", &EgoMotion::advance_to, py::arg("utime"),
            "Moves on to utime [us]. The first call only sets the clock; a time in the past changes nothing.")
-      .def_property_readonly("source", &OwnMotion::source, "OwnMotionSource of what is known about the present time")
+      .def_property_readonly("source", &EgoMotion::source, "EgoMotionSource of what is known about the present time")
       .def_property_readonly(
           "pose",
-          [](const OwnMotion& own) {
+          [](const EgoMotion& own) {
             const Pose2& pose = own.pose();
             return py::make_tuple(pose.x_m, pose.y_m, pose.heading_rad);
           },
           "(x_m, y_m, heading_rad)")
-      .def_property_readonly("twist", &OwnMotion::twist, "the real one, behind the commands");
+      .def_property_readonly("twist", &EgoMotion::twist, "the real one, behind the commands");
 
   py::class_<LeaderEstimate>(m, "LeaderEstimate", "(x, y, vx, vy, heading, turn rate) in the odometry frame.")
       .def(py::init([](const std::array<double, 6>& mean, const DoubleArray& covariance) {
@@ -107,31 +107,29 @@ void bind_estimator(py::module_& m) {
       py::arg("own_pose"), py::arg("leader"), "LeaderMotion of an estimate, from (x_m, y_m, heading_rad).");
 }
 
-void bind_announcement(py::module_& m) {
-  bind_parameters<AnnouncementConfig>(m, "AnnouncementConfig", "How much a leader's own word counts.");
-  py::enum_<AnnouncementUse>(m, "AnnouncementUse", "What the leader's word was worth in this frame.")
-      .value("silent", AnnouncementUse::silent)
-      .value("probation", AnnouncementUse::probation)
-      .value("agrees", AnnouncementUse::agrees)
-      .value("used", AnnouncementUse::used)
-      .value("suspended", AnnouncementUse::suspended);
-  py::class_<AnnouncedMotion>(m, "AnnouncedMotion", "The twist a leader announces of itself, and what it is worth.")
-      .def(py::init<const AnnouncementConfig&>(), py::arg("config") = AnnouncementConfig{},
-           "config: AnnouncementConfig. Nothing has been heard yet.")
-      .def("announce", &AnnouncedMotion::announce, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
+void bind_leader_intent(py::module_& m) {
+  bind_parameters<LeaderIntentConfig>(m, "LeaderIntentConfig", "How much a leader's own word counts.");
+  py::enum_<LeaderIntentUse>(m, "LeaderIntentUse", "What the leader's word was worth in this frame.")
+      .value("silent", LeaderIntentUse::silent)
+      .value("probation", LeaderIntentUse::probation)
+      .value("agrees", LeaderIntentUse::agrees)
+      .value("used", LeaderIntentUse::used)
+      .value("suspended", LeaderIntentUse::suspended);
+  py::class_<LeaderIntent>(m, "LeaderIntent", "The twist a leader announces of itself, and what it is worth.")
+      .def(py::init<const LeaderIntentConfig&>(), py::arg("config") = LeaderIntentConfig{},
+           "config: LeaderIntentConfig. Nothing has been heard yet.")
+      .def("announce", &LeaderIntent::announce, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
       .def(
-          "judge",
-          [](AnnouncedMotion& self, const LeaderEstimate& seen, const std::array<double, 3>& own, std::int64_t utime) {
-            return self.judge(seen, {own[0], own[1], own[2]}, utime);
+          "evaluate",
+          [](LeaderIntent& self, const LeaderEstimate& seen, const std::array<double, 3>& own, std::int64_t utime) {
+            return self.evaluate(seen, {own[0], own[1], own[2]}, utime);
           },
-          py::arg("seen"), py::arg("own_pose"), py::arg("utime"), "Once a frame: AnnouncementUse.")
+          py::arg("seen"), py::arg("own_pose"), py::arg("utime"), "Once a frame: LeaderIntentUse.")
       .def(
           "slowed",
-          [](const AnnouncedMotion& self, const LeaderEstimate& seen) {
-            return self.heard() ? self.slowed(seen) : seen;
-          },
+          [](const LeaderIntent& self, const LeaderEstimate& seen) { return self.heard() ? self.slowed(seen) : seen; },
           py::arg("seen"), "The estimate as slow as announced.")
-      .def("reset", &AnnouncedMotion::reset, "The leader was lost: probation begins anew, a suspension goes on.");
+      .def("reset", &LeaderIntent::reset, "The leader was lost: probation begins anew, a suspension goes on.");
 }
 
 void bind_anticipation(py::module_& m) {
@@ -154,8 +152,8 @@ void bind_anticipation(py::module_& m) {
   py::class_<Anticipation>(m, "Anticipation", "What the law wants for a predicted leader.")
       .def_readonly("wanted", &Anticipation::wanted, "Twist that the law wants; not yet limited")
       .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
-  m.def("trust", &trust, py::arg("config"), py::arg("leader"),
-        "How far the leader's estimated velocity is believed: 1 / (1 + (sigma / trusted_sigma_mps)^2), in (0, 1].");
+  m.def("feed_forward_weight", &feed_forward_weight, py::arg("config"), py::arg("leader"),
+        "How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].");
   m.def("anticipate", &anticipate, py::arg("controller"), py::arg("paper"), py::arg("config"), py::arg("leader"),
         py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
   m.def("stopping_speed", &stopping_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
@@ -275,7 +273,7 @@ PYBIND11_MODULE(control, m) {
                     "Inference: output u* in [-1, 1] and the strengths of the 56 rules");
 
   bind_estimator(m);
-  bind_announcement(m);
+  bind_leader_intent(m);
   bind_anticipation(m);
 
   py::class_<FollowerConfig> follower_config(m, "FollowerConfig", "Everything a Follower needs.");
@@ -294,7 +292,7 @@ PYBIND11_MODULE(control, m) {
            py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
            py::arg("active_law") = kFuzzyLaw, py::arg_v("laws", built_in_laws(), "built_in_laws()"),
            "law: the fuzzy controller. Sections by keyword: velocity, heading, limits, anticipate, leader_motion, "
-           "drive, announcement, view. ConfigError names the key at fault, TypeError an unknown keyword.")
+           "drive, leader_intent, view. ConfigError names the key at fault, TypeError an unknown keyword.")
       .def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
       .def_readwrite("law", &FollowerConfig::law,
                      "fuzzy.Controller: the fuzzy law, by default the paper's 56 rules (Table I)")
@@ -323,19 +321,21 @@ PYBIND11_MODULE(control, m) {
           "velocity", &FollowerOutput::velocity,
           "VelocityCommand: the fuzzy law on the measured error or, where it anticipates, on the predicted one")
       .def_readonly("leader", &FollowerOutput::leader, "LeaderMotion as predicted, or None")
-      .def_readonly("trust", &FollowerOutput::trust, "share of the feed-forward in the command")
-      .def_readonly("own_motion", &FollowerOutput::own_motion, "OwnMotionSource: where the own motion was taken from")
-      .def_readonly("announcement", &FollowerOutput::announcement, "AnnouncementUse: what the leader's word was worth");
+      .def_readonly("feed_forward_weight", &FollowerOutput::feed_forward_weight,
+                    "share of the feed-forward in the command")
+      .def_readonly("ego_motion", &FollowerOutput::ego_motion, "EgoMotionSource: where the own motion was taken from")
+      .def_readonly("leader_intent", &FollowerOutput::leader_intent,
+                    "LeaderIntentUse: what the leader's word was worth");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"), "ConfigError names the parameter that is out of range.")
       .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"),
            "FollowerOutput for an Observation and a Setpoint; the time since the last call is that between the "
            "observations.")
-      .def("set_own_motion", &Follower::set_own_motion, py::arg("utime"), py::arg("twist"),
+      .def("set_ego_motion", &Follower::set_ego_motion, py::arg("utime"), py::arg("twist"),
            "The own Twist as odometry measured it at utime [us]. False, and nothing changes, if it cannot be used. "
            "Profile `anticipate` alone listens.")
-      .def("set_announced_motion", &Follower::set_announced_motion, py::arg("utime"), py::arg("twist"),
+      .def("set_leader_intent", &Follower::set_leader_intent, py::arg("utime"), py::arg("twist"),
            "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
            "used. Profile `anticipate` alone listens.")
       .def("restart", &Follower::restart, py::arg("since_utime"),
@@ -351,8 +351,8 @@ PYBIND11_MODULE(control, m) {
 
   add_reprs(m, {"LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
                 "VelocityCommand", "FollowerOutput"});
-  add_repr(m, "OwnMotion", {"pose", "twist", "source"});
+  add_repr(m, "EgoMotion", {"pose", "twist", "source"});
   add_repr(m, "FollowerConfig",
            {"profile", "active_law", "velocity", "heading", "limits", "anticipate", "leader_motion", "drive",
-            "announcement", "view"});
+            "leader_intent", "view"});
 }

@@ -38,7 +38,7 @@ void bind_config(py::module_& m) {
           [](const config::CoordinatorFile& file) { return file.odometry == config::Odometry::pose ? "pose" : "none"; },
           "pose: own twist from NAME_POSE; none: nowhere")
       .def_readonly("key_file", &config::CoordinatorFile::key_file, "empty: nothing is authenticated")
-      .def_readonly("announcements_from", &config::CoordinatorFile::announcements_from, "empty: nobody")
+      .def_readonly("leader_intent_from", &config::CoordinatorFile::leader_intent_from, "empty: nobody")
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz,
                     "rate expected of the source [Hz]; 1/T of the law unless control_period_s says otherwise")
       .def_readonly("black_box", &config::CoordinatorFile::black_box, "BlackBoxConfig: where and how much is recorded")
@@ -110,7 +110,7 @@ void bind_config(py::module_& m) {
 PYBIND11_MODULE(coordinator, m) {
   for (const char* module : {"pilotfish.core", "pilotfish.fuzzy", "pilotfish.vision", "pilotfish.control"})
     py::module_::import(module);
-  m.doc() = "The heart: Coordinator.step(frame, now_us) -> StepResult. Pure: no clock, no I/O.";
+  m.doc() = "The coordinator: Coordinator.step(frame, now_us) -> StepResult. Pure: no clock, no I/O.";
   bind_config(m);
 
   py::class_<StepResult>(m, "StepResult", "What one frame led to.")
@@ -161,13 +161,13 @@ PYBIND11_MODULE(coordinator, m) {
           py::arg("frame"), py::arg("now_us"), py::call_guard<py::gil_scoped_release>(),
           "now_us: when the frame arrived, however long it waited for this call.")
       .def(
-          "answer",
+          "step_observation",
           [](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
              std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
-            return coordinator.answer(utime, {observation, observation ? Reason::none : reason}, {now_us},
-                                      known_age_us);
+            return coordinator.step_observation(utime, {observation, observation ? Reason::none : reason}, {now_us},
+                                                known_age_us);
           },
-          "step() without the eyes: what was seen in the frame of that time, or None and why.", py::arg("utime"),
+          "step() without the vision: what was seen in the frame of that time, or None and why.", py::arg("utime"),
           py::arg("observation"), py::arg("now_us"),
           py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
       .def(
@@ -182,21 +182,21 @@ PYBIND11_MODULE(coordinator, m) {
       .def_property_readonly("clock_epochs", &Coordinator::clock_epochs, "How often the source's clock was set.")
       .def("set_setpoint", &Coordinator::set_setpoint, py::arg("setpoint"),
            "False, and the old one stays, if a number is out of range or not finite.")
-      .def("set_own_motion", &Coordinator::set_own_motion, py::arg("utime"), py::arg("twist"),
+      .def("set_ego_motion", &Coordinator::set_ego_motion, py::arg("utime"), py::arg("twist"),
            "The own twist as odometry measured it; False if it cannot be used.")
-      .def("set_announced_motion", &Coordinator::set_announced_motion, py::arg("utime"), py::arg("twist"),
+      .def("set_leader_intent", &Coordinator::set_leader_intent, py::arg("utime"), py::arg("twist"),
            "The twist the leader announces of itself; False if it cannot be used.")
       .def_property(
           "memory",
           [](const Coordinator& coordinator) {
             const CoordinatorMemory memory = coordinator.memory();
-            return std::make_pair(to_bytes(memory.decisions), to_bytes(memory.eyes));
+            return std::make_pair(to_bytes(memory.decisions), to_bytes(memory.vision));
           },
           [](Coordinator& coordinator, const std::pair<py::bytes, py::bytes>& memory) {
             if (!coordinator.set_memory({from_bytes(memory.first), from_bytes(memory.second)}))
               throw py::value_error("that is no memory of a coordinator of this program");
           },
-          "(bytes, bytes): what its decisions and its eyes remember, for another one of the same configuration.")
+          "(bytes, bytes): what its decisions and its vision remember, for another one of the same configuration.")
       .def_property_readonly("setpoint", &Coordinator::setpoint, "Setpoint that is kept")
       .def_property_readonly("rejected", &Coordinator::rejected, "RejectionCounters of the observer since the start");
 

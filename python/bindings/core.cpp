@@ -62,7 +62,7 @@ void bind_session_guard(py::module_& m) {
       .def_readonly("setpoint", &SetpointDecision::setpoint, "to be kept from now on");
   py::class_<SetpointGate>(
       m, "SetpointGate",
-      "A stop is believed from anyone and latched; everything else needs the session, a counter that "
+      "A stop is accepted from anyone and latched; everything else needs the session, a counter that "
       "rises, and a distance that is not too small.")
       .def(py::init<std::int64_t, double>(), py::kw_only(), py::arg("session"), py::arg("stop_distance_m"),
            "session: the coordinator's own; stop_distance_m: no smaller distance is accepted [m]")
@@ -127,7 +127,7 @@ PYBIND11_MODULE(core, m) {
       .value("frame_stride_invalid", Reason::frame_stride_invalid)
       .value("frame_time_not_advancing", Reason::frame_time_not_advancing)
       .value("frame_stale", Reason::frame_stale)
-      .value("told_to_stop", Reason::told_to_stop)
+      .value("stop_requested", Reason::stop_requested)
       .value("law_not_finite", Reason::law_not_finite)
       .value("tag_duplicate", Reason::tag_duplicate)
       .value("tag_outside_frame", Reason::tag_outside_frame)
@@ -245,22 +245,22 @@ PYBIND11_MODULE(core, m) {
       .def_readonly("family", &LeaderBody::family, "name of the AprilTag family of all its tags")
       .def_readonly("tags", &LeaderBody::tags, "list of BodyTag, a copy");
 
-  py::class_<TagSighting>(m, "TagSighting",
-                          "One tag in one picture; corners (4, 2) [px] from the bottom left, "
-                          "counter-clockwise as one reads the tag.")
+  py::class_<TagDetection>(m, "TagDetection",
+                           "One tag in one picture; corners (4, 2) [px] from the bottom left, "
+                           "counter-clockwise as one reads the tag.")
       .def(py::init([](int id, const DoubleArray& corners_px, int hamming, double decision_margin) {
-             return TagSighting{id, hamming, decision_margin, to_corners(corners_px)};
+             return TagDetection{id, hamming, decision_margin, to_corners(corners_px)};
            }),
            py::kw_only(), py::arg("id"), py::arg("corners_px"), py::arg("hamming") = 0,
            py::arg("decision_margin") = 0.0,
            "corners_px: (4, 2) [px] from the bottom left, counter-clockwise as one reads the tag. ValueError on "
            "another shape.")
-      .def_readonly("id", &TagSighting::id, "number of the tag in its family")
-      .def_readonly("hamming", &TagSighting::hamming, "corrected bits")
-      .def_readonly("decision_margin", &TagSighting::decision_margin,
+      .def_readonly("id", &TagDetection::id, "number of the tag in its family")
+      .def_readonly("hamming", &TagDetection::hamming, "corrected bits")
+      .def_readonly("decision_margin", &TagDetection::decision_margin,
                     "AprilTag's: mean contrast of the bits, in gray levels")
       .def_property_readonly(
-          "corners_px", [](const TagSighting& tag) { return to_array(tag.corners_px); },
+          "corners_px", [](const TagDetection& tag) { return to_array(tag.corners_px); },
           "(4, 2) [px]: bottom left, bottom right, top right, top left, as one reads the tag; (0, 0) is the top-left "
           "pixel's centre");
 
@@ -290,8 +290,8 @@ PYBIND11_MODULE(core, m) {
   const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   py::class_<Observation>(m, "Observation", "The leader, measured in one frame.")
       .def(py::init([](std::int64_t utime, double distance_m, double bearing_rad, double heading_rad,
-                       const DoubleArray& covariance, std::vector<TagSighting> tags,
-                       const std::optional<RelativeMeasurement>& measured, double heading_doubt,
+                       const DoubleArray& covariance, std::vector<TagDetection> tags,
+                       const std::optional<RelativeMeasurement>& measured, double heading_ambiguity,
                        const std::optional<DoubleArray>& cMo, const std::optional<DoubleArray>& other_cMo,
                        double ambiguity_ratio, double reprojection_error_px, double min_decision_margin,
                        FoundBy found_by) {
@@ -303,7 +303,7 @@ PYBIND11_MODULE(core, m) {
              observation.covariance = to_matrix<3, 3>(covariance, "covariance");
              observation.measured =
                  measured.value_or(RelativeMeasurement{{distance_m, bearing_rad, heading_rad}, observation.covariance});
-             observation.heading_doubt = heading_doubt;
+             observation.heading_ambiguity = heading_ambiguity;
              if (cMo) observation.cMo = to_pose(*cMo);
              if (other_cMo) observation.other_cMo = to_pose(*other_cMo);
              observation.ambiguity_ratio = ambiguity_ratio;
@@ -311,13 +311,13 @@ PYBIND11_MODULE(core, m) {
              observation.min_decision_margin = min_decision_margin;
              observation.found_by = found_by;
              if (tags.size() > kMaxTagsOnBody) throw py::value_error("an observation has at most 12 tags");
-             for (TagSighting& tag : tags) observation.tags.push_back(std::move(tag));
+             for (TagDetection& tag : tags) observation.tags.push_back(std::move(tag));
              return observation;
            }),
            py::kw_only(), py::arg("utime"), py::arg("distance_m"), py::arg("bearing_rad") = 0.0,
            py::arg("heading_rad") = 0.0, py::arg_v("covariance", to_array(zero), "numpy.zeros((3, 3))"),
-           py::arg("tags") = std::vector<TagSighting>{}, py::arg("measured") = py::none(),
-           py::arg("heading_doubt") = 0.0, py::arg("cMo") = py::none(), py::arg("other_cMo") = py::none(),
+           py::arg("tags") = std::vector<TagDetection>{}, py::arg("measured") = py::none(),
+           py::arg("heading_ambiguity") = 0.0, py::arg("cMo") = py::none(), py::arg("other_cMo") = py::none(),
            py::arg("ambiguity_ratio") = 1.0, py::arg("reprojection_error_px") = 0.0,
            py::arg("min_decision_margin") = 0.0, py::arg_v("found_by", FoundBy::frame, "pilotfish.core.FoundBy.frame"),
            "measured: default, the same as the filtered numbers.")
@@ -334,7 +334,7 @@ PYBIND11_MODULE(core, m) {
           "cMo", [](const Observation& o) { return to_array(o.cMo); },
           "(4, 4): leader's base frame to camera frame [m], of this frame alone")
       .def_readonly("measured", &Observation::measured, "of this frame alone: what a filter of your own should be fed")
-      .def_readonly("heading_doubt", &Observation::heading_doubt,
+      .def_readonly("heading_ambiguity", &Observation::heading_ambiguity,
                     "how much the headings so far speak for another one than heading_rad, 0 to 1")
       .def_property_readonly(
           "other_cMo",
@@ -351,8 +351,8 @@ PYBIND11_MODULE(core, m) {
                     "smallest decision margin of the tags used, in gray levels")
       .def_readonly("found_by", &Observation::found_by, "FoundBy: how the tags were found")
       .def_property_readonly(
-          "tags", [](const Observation& o) { return std::vector<TagSighting>(o.tags.begin(), o.tags.end()); },
-          "list of TagSighting: the tags used, 12 at most");
+          "tags", [](const Observation& o) { return std::vector<TagDetection>(o.tags.begin(), o.tags.end()); },
+          "list of TagDetection: the tags used, 12 at most");
 
   m.def(
       "read_file",
@@ -371,7 +371,7 @@ PYBIND11_MODULE(core, m) {
       },
       "(distance_m, bearing_rad, heading_rad) of a leader whose base has the pose bMo (4, 4).", py::arg("bMo"));
 
-  add_reprs(m, {"Twist", "Setpoint", "SetpointDecision", "CameraModel", "LeaderBody", "TagSighting", "SequenceGuard",
+  add_reprs(m, {"Twist", "Setpoint", "SetpointDecision", "CameraModel", "LeaderBody", "TagDetection", "SequenceGuard",
                 "SetpointGate"});
   add_repr(m, "Frame", {"utime", "width", "height"});
   add_repr(m, "RelativeMeasurement", {"distance_m", "bearing_rad", "heading_rad"});

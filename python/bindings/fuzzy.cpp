@@ -44,12 +44,12 @@ RuleBase make_rules(const std::vector<std::vector<std::size_t>>& consequents) {
   return rules;
 }
 
-// infer() relies on what prove() has shown. The attributes of a controller are read-only in Python and it is
-// proved when it is made, so every Controller that Python can hold is a proved one.
+// infer() relies on what validate() has shown. The attributes of a controller are read-only in Python and it is
+// validated when it is made, so every Controller that Python can hold is a validated one.
 Controller make_controller(const LinguisticVariable& error, const LinguisticVariable& error_change,
                            const LinguisticVariable& output, const RuleBase& rules, const std::string& name) {
   Controller controller{name, error, error_change, output, rules};
-  prove(controller);
+  validate(controller);
   return controller;
 }
 
@@ -98,11 +98,11 @@ InputWidths make_widths(double error, double error_change, WidthShape shape) {
   return {error, error_change, shape};
 }
 
-void check_heights(const LinguisticVariable& output, const std::vector<double>& heights) {
-  if (heights.size() != output.terms.size())
+void check_term_strengths(const LinguisticVariable& output, const std::vector<double>& term_strengths) {
+  if (term_strengths.size() != output.terms.size())
     throw py::value_error(
-        text("expected one height for each of the ", output.terms.size(), " terms, got ", heights.size()));
-  for (double height : heights)
+        text("expected one height for each of the ", output.terms.size(), " terms, got ", term_strengths.size()));
+  for (double height : term_strengths)
     if (!(height >= 0.0 && height <= 1.0)) throw py::value_error(text("height ", height, " is outside [0, 1]"));
 }
 
@@ -113,14 +113,14 @@ py::array_t<double> polyline(const std::vector<std::array<double, 2>>& points) {
   return result;
 }
 
-Moments moments_of(const LinguisticVariable& output, const std::vector<double>& heights) {
-  check_heights(output, heights);
-  return clipped_union_moments(output, heights.data());
+Moments moments_of(const LinguisticVariable& output, const std::vector<double>& term_strengths) {
+  check_term_strengths(output, term_strengths);
+  return clipped_union_moments(output, term_strengths.data());
 }
 
-std::optional<Moments> ordered_moments_of(const LinguisticVariable& output, const std::vector<double>& heights) {
-  check_heights(output, heights);
-  return ordered_union_moments(output, heights.data());
+std::optional<Moments> ordered_moments_of(const LinguisticVariable& output, const std::vector<double>& term_strengths) {
+  check_term_strengths(output, term_strengths);
+  return ordered_union_moments(output, term_strengths.data());
 }
 
 }  // namespace
@@ -227,7 +227,7 @@ PYBIND11_MODULE(fuzzy, m) {
           "(rows, columns)")
       .def("__len__", &RuleBase::size);
 
-  py::class_<Controller>(m, "Controller", "A two-input Mamdani controller; proved when it is made (ValueError).")
+  py::class_<Controller>(m, "Controller", "A two-input Mamdani controller; validated when it is made (ValueError).")
       .def(py::init(&make_controller), py::kw_only(), py::arg("error"), py::arg("error_change"), py::arg("output"),
            py::arg("rules"), py::arg("name") = "",
            "error: E, error_change: EC, output: U; rules: RuleBase. ValueError names the variable, term or cell at "
@@ -275,12 +275,13 @@ PYBIND11_MODULE(fuzzy, m) {
         py::arg("controller"), py::arg("error"), py::arg("error_change"),
         py::arg_v("widths", InputWidths{}, "InputWidths()"));
   m.def("clipped_union_moments", &moments_of,
-        "Area and first moment of max_k min(heights[k], mu_k(u)) over the universe of output.", py::arg("output"),
-        py::arg("heights"));
+        "Area and first moment of max_k min(term_strengths[k], mu_k(u)) over the universe of output.",
+        py::arg("output"), py::arg("term_strengths"));
   m.def("ordered_union_moments", &ordered_moments_of,
-        "The same as inference computes them, from polynomials in the heights; None if the terms are bells or out of "
+        "The same as inference computes them, from polynomials in the term_strengths; None if the terms are Gaussians "
+        "or out of "
         "order.",
-        py::arg("output"), py::arg("heights"));
+        py::arg("output"), py::arg("term_strengths"));
   m.def(
       "possibility",
       [](const LinguisticVariable& variable, const std::string& label, double x, double width, WidthShape shape) {
@@ -290,18 +291,18 @@ PYBIND11_MODULE(fuzzy, m) {
       "sup min(A', term) of an input A' of this width around x, over the universe.", py::arg("variable"),
       py::arg("label"), py::arg("x"), py::arg("width"),
       py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"));
-  py::class_<FiredRule>(m, "FiredRule", "A rule that fires, how strongly, and both in words.")
-      .def_readonly("rule", &FiredRule::rule, "its number, row * columns + column")
-      .def_readonly("strength", &FiredRule::strength, "its strength, eq. (4), in (0, 1]")
-      .def_readonly("text", &FiredRule::text, "the rule and its strength in words")
-      .def("__repr__", [](const FiredRule& fired) { return fired.text; });
+  py::class_<FiringRule>(m, "FiringRule", "A rule that fires, how strongly, and both in words.")
+      .def_readonly("rule", &FiringRule::rule, "its number, row * columns + column")
+      .def_readonly("strength", &FiringRule::strength, "its strength, eq. (4), in (0, 1]")
+      .def_readonly("text", &FiringRule::text, "the rule and its strength in words")
+      .def("__repr__", [](const FiringRule& firing) { return firing.text; });
   py::class_<Explanation>(m, "Explanation", "One inference with all that led to it.")
       .def_readonly("inference", &Explanation::inference, "Inference: output and all 56 strengths")
-      .def_readonly("fired", &Explanation::fired, "rules with a strength above zero, strongest first")
+      .def_readonly("firing", &Explanation::firing, "rules with a strength above zero, strongest first")
       .def_property_readonly(
-          "heights",
+          "term_strengths",
           [](const Explanation& e) {
-            return DoubleArray(static_cast<py::ssize_t>(e.heights.size()), e.heights.data());
+            return DoubleArray(static_cast<py::ssize_t>(e.term_strengths.size()), e.term_strengths.data());
           },
           "where each term of U is clipped")
       .def_property_readonly(
@@ -315,7 +316,7 @@ PYBIND11_MODULE(fuzzy, m) {
   m.def("to_yaml", &pilotfish::config::to_yaml, "The controller in the form of data/fuzzy/*.yaml, with every digit.",
         py::arg("controller"));
   m.def("load_controller", &pilotfish::config::load_fuzzy_controller,
-        "Reads and proves data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
+        "Reads and validates data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
         py::arg("path"));
 
   using pilotfish::python::add_repr;
@@ -323,5 +324,5 @@ PYBIND11_MODULE(fuzzy, m) {
   add_repr(m, "RuleBase", {"rows", "columns"});
   add_repr(m, "Controller", {"name", "rules"});
   add_repr(m, "InputWidths");
-  add_repr(m, "Explanation", {"inference", "fired"});
+  add_repr(m, "Explanation", {"inference", "firing"});
 }

@@ -12,10 +12,10 @@ using namespace pilotfish::vision;
 
 namespace {
 
-TagMeasurements as_measurements(const std::vector<TagSighting>& tags) {
+TagMeasurements as_measurements(const std::vector<TagDetection>& tags) {
   if (tags.size() > kMaxTagsOnBody) throw py::value_error("a leader wears at most 12 tags");
   TagMeasurements measurements;
-  for (const TagSighting& tag : tags) measurements.push_back({tag, Matrix8d::Zero(), {}});
+  for (const TagDetection& tag : tags) measurements.push_back({tag, Matrix8d::Zero(), {}});
   return measurements;
 }
 
@@ -42,7 +42,7 @@ PYBIND11_MODULE(vision, m) {
           "(N, N) uint8, a cell each: 0 black, 255 white. IndexError on an id that the family does not have.",
           py::arg("id"));
 
-  bind_parameters<TagDetectorConfig>(m, "TagDetectorConfig", "How tags are found and which are believed.");
+  bind_parameters<TagDetectorConfig>(m, "TagDetectorConfig", "How tags are found and which are accepted.");
   py::class_<Detections>(m, "Detections", "Tags found in one picture and what was turned away, by gate.")
       .def_readonly("input", &Detections::input, "why the picture was not even looked at; Reason.none if it was")
       .def_readonly("tags", &Detections::tags, "sorted by id, then by decision margin, best first")
@@ -77,18 +77,18 @@ PYBIND11_MODULE(vision, m) {
           "A picture whose claimed size need not fit its bytes, as it might come off a wire.", py::arg("data"),
           py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"));
 
-  bind_parameters<TagGates>(m, "TagGates", "Which tags are believed once they have been found.");
-  py::class_<Appearance>(m, "Appearance", "How a print looks in a picture.")
+  bind_parameters<TagGates>(m, "TagGates", "Which tags are accepted once they have been found.");
+  py::class_<Appearance>(m, "Appearance", "How a template looks in a picture.")
       .def_readonly("black", &Appearance::black, "gray level in the middle of the tag")
       .def_readonly("white", &Appearance::white, "gray level in the middle of the tag")
       .def_readonly("blur_u_px2", &Appearance::blur_u_px2, "variance of the blur along rows, with the pixel's own 1/12")
       .def_readonly("blur_v_px2", &Appearance::blur_v_px2, "the same along columns");
   py::class_<TagMeasurement>(m, "TagMeasurement", "One tag, verified and measured in one picture.")
-      .def_readonly("tag", &TagMeasurement::tag, "TagSighting: id, bits and the fitted corners [px]")
+      .def_readonly("tag", &TagMeasurement::tag, "TagDetection: id, bits and the fitted corners [px]")
       .def_property_readonly(
           "covariance_px2", [](const TagMeasurement& measurement) { return to_array(measurement.covariance_px2); },
           "(8, 8) of the corners (u0, v0, u1, v1, ...)")
-      .def_readonly("appearance", &TagMeasurement::appearance, "Appearance of its print: gray levels and blur");
+      .def_readonly("appearance", &TagMeasurement::appearance, "Appearance of its template: gray levels and blur");
   py::enum_<TagRefusal>(m, "TagRefusal", "Why a tag that was looked at is no measurement.")
       .value("not_found", TagRefusal::not_found)
       .value("outside_frame", TagRefusal::outside_frame)
@@ -96,16 +96,16 @@ PYBIND11_MODULE(vision, m) {
       .value("too_blurred", TagRefusal::too_blurred)
       .value("hamming", TagRefusal::hamming)
       .value("margin", TagRefusal::margin)
-      .value("misfit", TagRefusal::misfit);
+      .value("residual", TagRefusal::residual);
   m.def(
-      "look_at_tag",
+      "track_tag",
       [](const py::array& image, const CameraModel& camera, const std::string& family, int id,
          const DoubleArray& corners_px, double search_px, const TagDetectorConfig& detector,
          const TagGates& gates) -> std::variant<TagMeasurement, TagRefusal> {
         const TagPattern pattern = make_pattern(TagFamily(family), id);
-        const TagLook look =
-            look_at_tag(image_view(image), camera, pattern, homography_from_corners(camera, to_corners(corners_px)), {},
-                        search_px, {detector.max_hamming, detector.min_decision_margin}, gates);
+        const TagResult look =
+            track_tag(image_view(image), camera, pattern, homography_from_corners(camera, to_corners(corners_px)), {},
+                      search_px, {detector.max_hamming, detector.min_decision_margin}, gates);
         if (look.measurement) return *look.measurement;
         return look.refusal;
       },
@@ -115,7 +115,7 @@ PYBIND11_MODULE(vision, m) {
       py::arg("corners_px"), py::arg("search_px") = 0.0,
       py::arg_v("detector", TagDetectorConfig{}, "TagDetectorConfig()"), py::arg_v("gates", TagGates{}, "TagGates()"));
 
-  bind_parameters<LeaderPoseConfig>(m, "LeaderPoseConfig", "Which poses are believed, and how exactly.");
+  bind_parameters<LeaderPoseConfig>(m, "LeaderPoseConfig", "Which poses are accepted, and how exactly.");
   py::class_<LeaderPose>(m, "LeaderPose", "A pose cMo and how well it explains the corners.")
       .def_property_readonly(
           "cMo", [](const LeaderPose& pose) { return to_array(pose.best.cMo); }, "(4, 4)")
@@ -140,7 +140,7 @@ PYBIND11_MODULE(vision, m) {
           "(6, 6) of the twist (v, w) in the camera frame that acts on cMo from the left");
   m.def(
       "estimate_leader_pose",
-      [](const CameraModel& camera, const LeaderBody& body, const std::vector<TagSighting>& tags,
+      [](const CameraModel& camera, const LeaderBody& body, const std::vector<TagDetection>& tags,
          const LeaderPoseConfig& config) {
         const TagMeasurements measurements = as_measurements(tags);
         py::gil_scoped_release unlocked;
@@ -150,9 +150,9 @@ PYBIND11_MODULE(vision, m) {
       "converges in front of the camera.",
       py::kw_only(), py::arg("camera"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
   m.def(
-      "judge",
-      [](const LeaderPose& pose, const LeaderBody& body, const std::vector<TagSighting>& tags,
-         const LeaderPoseConfig& config) { return judge(pose.best, body, as_measurements(tags), config); },
+      "check_pose",
+      [](const LeaderPose& pose, const LeaderBody& body, const std::vector<TagDetection>& tags,
+         const LeaderPoseConfig& config) { return check_pose(pose.best, body, as_measurements(tags), config); },
       "Reason.none if a pose passes the gates of its config, else what is wrong with it.", py::kw_only(),
       py::arg("pose"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
 
@@ -173,28 +173,29 @@ PYBIND11_MODULE(vision, m) {
            py::arg("track") = LeaderTrackConfig{},
            "Parts default to their own defaults. ConfigError names the key of a number out of range.")
       .def_readwrite("detector", &LeaderObserverConfig::detector, "TagDetectorConfig: how tags are found")
-      .def_readwrite("gates", &LeaderObserverConfig::gates, "TagGates: which of them are believed")
-      .def_readwrite("pose", &LeaderObserverConfig::pose, "LeaderPoseConfig: which poses are believed");
+      .def_readwrite("gates", &LeaderObserverConfig::gates, "TagGates: which of them are accepted")
+      .def_readwrite("pose", &LeaderObserverConfig::pose, "LeaderPoseConfig: which poses are accepted");
   py::class_<RejectionCounters>(m, "RejectionCounters", "Everything that was turned away since the start.")
       .def_readonly("frames_invalid", &RejectionCounters::frames_invalid,
                     "frames that cannot be read or are not of the calibration's size")
       .def_readonly("hamming", &RejectionCounters::hamming, "tags that read as something else")
       .def_readonly("margin", &RejectionCounters::margin, "tags with too little contrast")
-      .def_readonly("misfit", &RejectionCounters::misfit, "tags of which something else explains too much")
+      .def_readonly("residual", &RejectionCounters::residual, "tags of which something else explains too much")
       .def_readonly("foreign_id", &RejectionCounters::foreign_id, "tags of the family that the leader does not wear")
       .def_readonly("duplicate_id", &RejectionCounters::duplicate_id,
-                    "ids seen twice in one picture: none of the two is believed")
+                    "ids seen twice in one picture: none of the two is accepted")
       .def_readonly("outside_frame", &RejectionCounters::outside_frame, "tags partly outside the picture")
       .def_readonly("too_small", &RejectionCounters::too_small, "tags too small to be read")
-      .def_readonly("too_blurred", &RejectionCounters::too_blurred, "tags too blurred to be believed")
+      .def_readonly("too_blurred", &RejectionCounters::too_blurred, "tags too blurred to be accepted")
       .def_readonly("size", &RejectionCounters::size, "tags with a size that they cannot have at any range")
       .def_readonly("behind", &RejectionCounters::behind, "poses behind the camera, or that show a tag's back")
       .def_readonly("jump", &RejectionCounters::jump,
                     "leaders farther from where they were than anything can have moved")
       .def_readonly("pose", &RejectionCounters::pose, "corners that no credible pose explains");
-  py::class_<Sight>(m, "Sight", "What one picture says about the leader: an observation, or the reason why none.")
-      .def_readonly("observation", &Sight::observation, "Observation of this frame, or None")
-      .def_readonly("reason", &Sight::reason, "Reason.none with an observation, else why there is none");
+  py::class_<ObservationResult>(m, "ObservationResult",
+                                "What one picture says about the leader: an observation, or the reason why none.")
+      .def_readonly("observation", &ObservationResult::observation, "Observation of this frame, or None")
+      .def_readonly("reason", &ObservationResult::reason, "Reason.none with an observation, else why there is none");
   py::class_<LeaderObserver>(m, "LeaderObserver",
                              "Frame in, Observation out. It follows the leader from frame to frame.")
       .def(py::init<const CameraModel&, const CameraMounting&, const LeaderBody&, const LeaderObserverConfig&>(),
@@ -202,14 +203,16 @@ PYBIND11_MODULE(vision, m) {
            py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"),
            "camera: of the frames; mounting: camera on the coordinator's base; body: the leader's tags. ConfigError if "
            "any part is not usable.")
-      .def("observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),
-           "The Sight of a Frame. Never raises: a frame that cannot be used, or whose size differs from the "
-           "calibration's, gives the reason. Times come from frame.utime [us].")
+      .def(
+          "observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),
+          "The ObservationResult of a Frame. Never raises: a frame that cannot be used, or whose size differs from the "
+          "calibration's, gives the reason. Times come from frame.utime [us].")
       .def("forget", &LeaderObserver::forget, "The next frame is looked at as if nothing had been seen before.")
       .def_property_readonly(
           "rejected", [](const LeaderObserver& observer) { return observer.rejected(); }, "a copy of the counters");
 
-  add_reprs(m, {"Detections", "Appearance", "TagMeasurement", "LeaderObserverConfig", "RejectionCounters", "Sight"});
+  add_reprs(m, {"Detections", "Appearance", "TagMeasurement", "LeaderObserverConfig", "RejectionCounters",
+                "ObservationResult"});
   add_repr(m, "TagFamily", {"size", "bits"});
   add_repr(m, "LeaderPose", {"cMo", "squared_error", "reprojection_error_px", "ambiguity_ratio"});
 }

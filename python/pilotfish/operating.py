@@ -1,6 +1,6 @@
 """What an operator says to a coordinator: stop, resume, keep this distance. Over LCM, and until its status shows it.
 
-Who may say what is in ``docs/operating-guide.md`` ("Who may speak"): a stop is believed from anyone; everything else
+Who may say what is in ``docs/operating-guide.md`` ("Who may speak"): a stop is accepted from anyone; everything else
 has to name the coordinator's session, which its status says, and a counter that rises. Counters are microseconds of the
 wall clock here, so that they rise from one call to the next.
 """
@@ -145,7 +145,7 @@ class Operator:
             return self._status()
         risen = [n for n, count in self._rejected.items() if count > rejected_before.get(n, 0 if complete else count)]
         reasons = [_REFUSALS[name] for name in risen if name in _REFUSALS]
-        if not reasons and not setpoint.run:  # as a stop it was believed
+        if not reasons and not setpoint.run:  # as a stop it was accepted
             reasons = ["a robot that is stopped takes over only what it could keep (bounds, stop distance, key)"]
         because = f"refused, because {'; '.join(reasons)}" if reasons else f"not confirmed within {within_s:g} s"
         raise OperatorError(f"{because}; {self._says()}")

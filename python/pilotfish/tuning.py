@@ -1,7 +1,7 @@
 """Finds the parameters of a law: one cost, one budget and one seeded search for all of them, so that a comparison
 compares laws and not the patience of whoever tuned them.
 
-Runs are played with drawn measurements (harness.drawn_sight), a hundred times faster than with rendered pictures.
+Runs are played with drawn measurements (harness.drawn_observations), 100 times faster than with rendered pictures.
 Nothing of the scenarios reported in bench/following is tuned on in its rendered form.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from pilotfish import control, coordinator, data, sim
 from pilotfish.errors import MissingPackageError
-from pilotfish.harness.drawn_sight import DrawnSight
+from pilotfish.harness.drawn_observations import DrawnObservations
 from pilotfish.harness.driving import BASELINES, Driving
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
@@ -44,12 +44,12 @@ SEARCH: dict[str, dict[str, Range]] = {
         "anticipate.error_change_scale_m": Range(0.005, 1.0),
         "anticipate.velocity_scale_mps": Range(0.3, 1.5),
         "anticipate.heading_gain_per_s": Range(0.5, 20.0),
-        "anticipate.trusted_sigma_mps": Range(0.02, 1.0),
-        "leader_motion.calm_velocity_sigma": Range(2e-4, 0.02),
-        "leader_motion.calm_turn_sigma": Range(1e-3, 0.2),
-        "leader_motion.steering_velocity_sigma": Range(0.01, 0.5),
-        "leader_motion.steering_turn_sigma": Range(0.03, 2.0),
-        "leader_motion.jolt_velocity_sigma": Range(0.3, 3.0),
+        "anticipate.half_weight_sigma_mps": Range(0.02, 1.0),
+        "leader_motion.quiescent_velocity_sigma": Range(2e-4, 0.02),
+        "leader_motion.quiescent_turn_sigma": Range(1e-3, 0.2),
+        "leader_motion.manoeuvre_velocity_sigma": Range(0.01, 0.5),
+        "leader_motion.manoeuvre_turn_sigma": Range(0.03, 2.0),
+        "leader_motion.abrupt_velocity_sigma": Range(0.3, 3.0),
         "leader_motion.change_rate_per_s": Range(0.01, 2.0),
     },
     "pbvs": {
@@ -122,7 +122,7 @@ class Trial:
                 profile=self.name,
                 spec=spec,
                 configure=lambda config: set_parameters(config, parameters),
-                drawn=DrawnSight(self.seed),
+                drawn=DrawnObservations(self.seed),
                 duration_s=duration_s,
             )
             costs.append(cost(run.recordings[scenario.robot().name], counts_from_s))

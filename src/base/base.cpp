@@ -58,14 +58,14 @@ Base::Base(const BaseConfig& config, std::int64_t own_session, bool simulated_al
   check(config);
 }
 
-CommandVerdict Base::hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept {
-  const CommandVerdict verdict = guard_.hear(command, arrived, now);
+CommandVerdict Base::receive(const ReceivedCommand& command, MonotonicTime arrived, MonotonicTime now) noexcept {
+  const CommandVerdict verdict = guard_.receive(command, arrived, now);
   ++refused_commands_[static_cast<std::size_t>(verdict)];
   return verdict;
 }
 
-LatchVerdict Base::hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept {
-  const LatchVerdict verdict = latch_.hear(setpoint, guard_.obeys(now));
+LatchVerdict Base::receive(const ReceivedSetpoint& setpoint, MonotonicTime now) noexcept {
+  const LatchVerdict verdict = latch_.receive(setpoint, guard_.obeys(now));
   if (verdict == LatchVerdict::other_session) ++refused_other_session_;
   if (verdict == LatchVerdict::replayed) ++refused_replayed_;
   return verdict;
@@ -82,9 +82,9 @@ BaseOutput Base::step(MonotonicTime now) noexcept {
   } else if (command) {
     const double passed_s = told_at_ ? static_cast<double>(now.us - told_at_->us) * 1e-6 : 0.0;
     output.state = BaseState::driving;
-    output.told = limit(config_.limits, config_.wheels, *command, told_, std::clamp(passed_s, 0.0, kLongestStep_s));
+    output.command = limit(config_.limits, config_.wheels, *command, told_, std::clamp(passed_s, 0.0, kLongestStep_s));
   }
-  told_ = output.told;
+  told_ = output.command;
   told_at_ = now;
   return output;
 }

@@ -47,7 +47,7 @@ CommandGuard::Sender* CommandGuard::find(std::int64_t session) noexcept {
 }
 
 /// A process that was stopped, or starved, finds a queue of commands of which nobody knows how old they are. A pause of
-/// half a command's life is one: for a whole life after it nothing is believed, and by then the queue has been emptied.
+/// half a command's life is one: for a whole life after it nothing is accepted, and by then the queue has been emptied.
 /// Nor does anybody know whether the sender was silent in the meantime: its silence is counted from now.
 void CommandGuard::advance(MonotonicTime now) noexcept {
   const std::int64_t life_us = microseconds(config_.max_command_age_s);
@@ -63,7 +63,8 @@ void CommandGuard::advance(MonotonicTime now) noexcept {
   }
 }
 
-CommandVerdict CommandGuard::hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept {
+CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTime arrived,
+                                     MonotonicTime now) noexcept {
   advance(now);
   if (command.session == 0 || !is_finite(command.twist)) return CommandVerdict::malformed;
   if (command.base_session != own_session_) return CommandVerdict::base_session_wrong;

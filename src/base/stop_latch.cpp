@@ -6,14 +6,14 @@ std::string_view to_string(LatchVerdict verdict) noexcept {
   switch (verdict) {
     case LatchVerdict::stopped: return "stopped";
     case LatchVerdict::resumed: return "resumed";
-    case LatchVerdict::noted: return "noted";
+    case LatchVerdict::already_running: return "already_running";
     case LatchVerdict::other_session: return "resume_other_session";
     case LatchVerdict::replayed: return "resume_replayed";
   }
   return "resume_unknown";
 }
 
-LatchVerdict StopLatch::hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept {
+LatchVerdict StopLatch::receive(const ReceivedSetpoint& setpoint, std::int64_t obeyed) noexcept {
   const bool ours = obeyed != 0 && setpoint.session == obeyed;
   const bool rises = ours && (setpoint.session != session_ || setpoint.counter > highest_counter_);
   if (rises) {
@@ -26,7 +26,7 @@ LatchVerdict StopLatch::hear(const SetpointHeard& setpoint, std::int64_t obeyed)
   }
   if (!ours) return LatchVerdict::other_session;
   if (!rises) return LatchVerdict::replayed;
-  if (!stopped_) return LatchVerdict::noted;
+  if (!stopped_) return LatchVerdict::already_running;
   stopped_ = false;
   return LatchVerdict::resumed;
 }

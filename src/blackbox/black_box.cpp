@@ -205,7 +205,7 @@ void BlackBox::setpoint(const Setpoint& setpoint, bool taken, const Coordinator&
   shared_->record_call(core, [&](std::int64_t sequence) { return encode_call(sequence, call, taken, core.held()); });
 }
 
-void BlackBox::own_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept {
+void BlackBox::ego_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept {
   Call call;
   call.kind = step_t::KIND_OWN_MOTION;
   call.utime = utime;
@@ -213,9 +213,9 @@ void BlackBox::own_motion(std::int64_t utime, const Twist& twist, bool taken, co
   shared_->record_call(core, [&](std::int64_t sequence) { return encode_call(sequence, call, taken, core.held()); });
 }
 
-void BlackBox::announced_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept {
+void BlackBox::leader_intent(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept {
   Call call;
-  call.kind = step_t::KIND_ANNOUNCEMENT;
+  call.kind = step_t::KIND_LEADER_INTENT;
   call.utime = utime;
   call.twist = twist;
   shared_->record_call(core, [&](std::int64_t sequence) { return encode_call(sequence, call, taken, core.held()); });

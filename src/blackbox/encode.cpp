@@ -36,7 +36,7 @@ held_t message_of(const HeldCommand& held) {
   return message;
 }
 
-measured_tag_t message_of(const TagSighting& tag) {
+measured_tag_t message_of(const TagDetection& tag) {
   measured_tag_t message{};
   message.id = tag.id;
   message.hamming = tag.hamming;
@@ -53,7 +53,7 @@ measurement_t message_of(const Observation& observation) {
   message.bearing_rad = observation.bearing_rad;
   message.heading_rad = observation.heading_rad;
   fill(message.covariance, observation.covariance);
-  message.heading_doubt = observation.heading_doubt;
+  message.heading_ambiguity = observation.heading_ambiguity;
   message.measured_distance_m = observation.measured.pose.distance_m;
   message.measured_bearing_rad = observation.measured.pose.bearing_rad;
   message.measured_heading_rad = observation.measured.pose.heading_rad;
@@ -68,7 +68,7 @@ measurement_t message_of(const Observation& observation) {
   message.reprojection_error_px = observation.reprojection_error_px;
   message.min_decision_margin = observation.min_decision_margin;
   message.found_by = static_cast<std::int8_t>(observation.found_by);
-  for (const TagSighting& tag : observation.tags) message.tags.push_back(message_of(tag));
+  for (const TagDetection& tag : observation.tags) message.tags.push_back(message_of(tag));
   message.tag_count = static_cast<std::int32_t>(message.tags.size());
   return message;
 }
@@ -154,8 +154,8 @@ Bytes encode_start(const Start& start, const Instant& instant, std::int64_t sequ
   message.override_count = static_cast<std::int32_t>(message.overrides.size());
   message.decisions = memory.decisions;
   message.decisions_size = static_cast<std::int32_t>(memory.decisions.size());
-  message.eyes = memory.eyes;
-  message.eyes_size = static_cast<std::int32_t>(memory.eyes.size());
+  message.vision = memory.vision;
+  message.vision_size = static_cast<std::int32_t>(memory.vision.size());
   return bytes_of(message);
 }
 

@@ -9,7 +9,7 @@ namespace pilotfish::bus {
 /// By what a message is told from a forged one, if a key is configured. The channel belongs to it, so that what was
 /// said to one robot cannot be repeated to another.
 struct Authentication {
-  const Key* key = nullptr;  ///< none: everyone is believed
+  const Key* key = nullptr;  ///< none: everyone is accepted
   std::string_view channel;
 
   bool is_right(const void* encoded, std::size_t size_bytes) const {

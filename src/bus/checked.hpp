@@ -9,7 +9,7 @@
 namespace pilotfish::bus {
 
 /// What came off the wire: a value that passed every check, or the name of the check that it failed (as
-/// counted in Bus::rejected()). Both, if only a part of it can be believed.
+/// counted in Bus::rejected()). Both, if only a part of it can be accepted.
 template <class Value>
 struct Checked {
   std::optional<Value> value;

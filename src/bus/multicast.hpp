@@ -22,7 +22,7 @@ std::optional<MulticastUrl> parse_multicast_url(const std::string& url);
 /// BusError saying what to do.
 int open_multicast_receiver(const MulticastUrl& url);
 
-/// Tells within 0.2 s whether this host hears itself: opens a receiver, sends itself
+/// Tells within 0.2 s whether this host receives itself: opens a receiver, sends itself
 /// liblcm's own self-test message and waits for it. (liblcm's own receiver would
 /// wait 10 s for it.) Returns the size of the receive buffer that the kernel grants to such a socket. Throws
 /// BusError saying what to do.

@@ -29,8 +29,8 @@ struct ReassemblyLimits {
   std::int64_t patience_us = 1'000'000;  ///< from a message's first fragment to its last
 };
 
-/// LCM's datagrams in, whole messages out. No socket, no clock, and nothing that a datagram says is believed: what
-/// liblcm 1.3.1 does with a fragment's offset lets 64 bytes write anywhere. Big endian:
+/// LCM's datagrams in, whole messages out. No socket, no clock, and nothing that a datagram says is taken on trust:
+/// what liblcm 1.3.1 does with a fragment's offset lets 64 bytes write anywhere. Big endian:
 ///
 ///   short:     "LC02", u32 sequence number, channel with a final zero, payload
 ///   fragment:  "LC03", u32 sequence number, u32 payload bytes of the message, u32 offset of this part,

@@ -14,7 +14,7 @@ namespace {
 /// Finite also as the float it becomes on the wire.
 bool fits_float(double value) { return std::isfinite(static_cast<float>(value)); }
 
-bool all_finite(const TagSighting& tag) {
+bool all_finite(const TagDetection& tag) {
   return fits_float(tag.decision_margin) &&
          std::all_of(tag.corners_px.begin(), tag.corners_px.end(),
                      [](const Eigen::Vector2d& corner) { return fits_float(corner.x()) && fits_float(corner.y()); });
@@ -26,11 +26,11 @@ bool all_finite(const Observation& observation) {
     if (!std::isfinite(value)) return false;
   return observation.covariance.allFinite() && observation.cMo.matrix().allFinite() &&
          std::all_of(observation.tags.begin(), observation.tags.end(),
-                     [](const TagSighting& tag) { return all_finite(tag); });
+                     [](const TagDetection& tag) { return all_finite(tag); });
 }
 
-tag_sighting_t encode(const TagSighting& tag) {
-  tag_sighting_t message{};
+tag_detection_t encode(const TagDetection& tag) {
+  tag_detection_t message{};
   message.id = tag.id;
   message.hamming = static_cast<std::int8_t>(tag.hamming);
   message.decision_margin = static_cast<float>(tag.decision_margin);

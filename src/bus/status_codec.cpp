@@ -33,8 +33,8 @@ stage_t encode(const StageReport& stage, FiniteOrZero& finite) {
 bool is_sound_status(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
   constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 8 + 2;
-  // error_m to output; session to setpoint_run; trust to announcement; frame_rate_hz to configured_latency_s; two
-  // counts
+  // error_m to output; session to setpoint_run; feed_forward_weight to leader_intent; frame_rate_hz to
+  // configured_latency_s; two counts
   constexpr std::size_t kBehindText = 3 * 8 + (4 * 8 + 1) + (4 * 8 + 2) + (3 * 8 + 1 + 8) + 2 * 8;
   std::int32_t stages = 0;
   if (!reader.skip(kBeforeText) || !reader.skip_string() || !reader.skip(kBehindText) || !reader.read(stages) ||
@@ -53,10 +53,10 @@ bool is_sound_base(const void* data, std::size_t size_bytes) {
 }
 
 bool all_finite(const StatusReport& report) {
-  for (double value :
-       {report.error_m, report.error_change_m, report.output, report.setpoint.distance_m, report.setpoint.bearing_rad,
-        report.trust, report.leader_radial_mps, report.leader_tangential_mps, report.leader_turn_rate_radps,
-        report.frame_rate_hz, report.processing_ms, report.latency_s, report.configured_latency_s})
+  for (double value : {report.error_m, report.error_change_m, report.output, report.setpoint.distance_m,
+                       report.setpoint.bearing_rad, report.feed_forward_weight, report.leader_radial_mps,
+                       report.leader_tangential_mps, report.leader_turn_rate_radps, report.frame_rate_hz,
+                       report.processing_ms, report.latency_s, report.configured_latency_s})
     if (!std::isfinite(value)) return false;
   return std::all_of(report.strengths.begin(), report.strengths.end(), [](double s) { return std::isfinite(s); }) &&
          std::all_of(report.stages.begin(), report.stages.end(),
@@ -81,12 +81,12 @@ status_t encode(const StatusReport& report, std::string_view& repaired, std::siz
   message.setpoint_distance_m = finite(report.setpoint.distance_m);
   message.setpoint_bearing_rad = finite(report.setpoint.bearing_rad);
   message.setpoint_run = report.setpoint.run;
-  message.trust = finite(report.trust);
+  message.feed_forward_weight = finite(report.feed_forward_weight);
   message.leader_radial_mps = finite(report.leader_radial_mps);
   message.leader_tangential_mps = finite(report.leader_tangential_mps);
   message.leader_turn_rate_radps = finite(report.leader_turn_rate_radps);
-  message.own_motion = report.own_motion;
-  message.announcement = report.announcement;
+  message.ego_motion = report.ego_motion;
+  message.leader_intent = report.leader_intent;
   message.frame_rate_hz = finite(report.frame_rate_hz);
   message.processing_ms = finite(report.processing_ms);
   message.latency_s = finite(report.latency_s);
@@ -142,12 +142,12 @@ Checked<StatusReport> decode_status(const void* data, std::size_t size_bytes) {
   report.session = message.session;
   report.setpoint_counter = message.setpoint_counter;
   report.setpoint = {message.setpoint_distance_m, message.setpoint_bearing_rad, message.setpoint_run != 0};
-  report.trust = message.trust;
+  report.feed_forward_weight = message.feed_forward_weight;
   report.leader_radial_mps = message.leader_radial_mps;
   report.leader_tangential_mps = message.leader_tangential_mps;
   report.leader_turn_rate_radps = message.leader_turn_rate_radps;
-  report.own_motion = message.own_motion;
-  report.announcement = message.announcement;
+  report.ego_motion = message.ego_motion;
+  report.leader_intent = message.leader_intent;
   report.frame_rate_hz = message.frame_rate_hz;
   report.processing_ms = message.processing_ms;
   report.latency_s = message.latency_s;

@@ -61,9 +61,9 @@ const std::vector<Parameter<BlackBoxConfig>>& BlackBoxConfig::parameters() {
   return table;
 }
 
-std::string announcements_from(const std::string& name) {
+std::string leader_intent_from(const std::string& name) {
   if (name == "none") return "";
-  check_robot_name(name, "announcements_from");
+  check_robot_name(name, "leader_intent_from");
   return name;
 }
 
@@ -92,8 +92,8 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   check_robot_name(file.name, "name");
   if (root.optional("source")) file.source = root.text("source");
   if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
-  if (root.optional("announcements_from"))
-    file.announcements_from = announcements_from(root.text("announcements_from"));
+  if (root.optional("leader_intent_from"))
+    file.leader_intent_from = leader_intent_from(root.text("leader_intent_from"));
   if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   if (root.optional("law")) control::set_active_law(config.control, root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));

@@ -29,12 +29,12 @@ ConfigDescription coordinator_description() {
       frame_rate,
       text_key("odometry", "none", "the own twist: none (from the own commands), or pose (measured, on NAME_POSE)",
                {"none", "pose"}),
-      text_key("announcements_from", "none",
-               "the leader's name on the bus, to hear what it announces on LEADER_MOTION"),
+      text_key("leader_intent_from", "none",
+               "the leader's name on the bus, to receive what it announces on LEADER_MOTION"),
       text_key(
           "key_file", "",
           "64 hex digits that only their owner may read: commands carry a MAC made with this key, and setpoints are "
-          "believed only with one"),
+          "accepted only with one"),
       text_key("law", "fuzzy", "fuzzy, or a baseline to compare it with", laws),
       text_key("profile", "anticipate", "how the fuzzy law drives: as published, or around a feed-forward",
                {"paper", "anticipate"}),

@@ -162,7 +162,7 @@ Controller read_fll(const std::string& text, const std::filesystem::path& file) 
         *wanted.back() = read_variable(block);
         wanted.pop_back();
       }
-    } catch (const fuzzy::ProofError& defect) {
+    } catch (const fuzzy::ValidationError& defect) {
       throw ConfigError(defect.where(), defect.problem() + " (in " + file.string() + ")");
     }
   }

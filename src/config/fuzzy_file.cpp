@@ -114,8 +114,8 @@ Controller parse_fuzzy_controller(const TextFile& file) {
     controller = read_yaml(root);
   }
   try {
-    fuzzy::prove(controller);
-  } catch (const fuzzy::ProofError& defect) {
+    fuzzy::validate(controller);
+  } catch (const fuzzy::ValidationError& defect) {
     throw ConfigError(defect.where(), defect.problem() + " (in " + file.path.string() + ")");
   }
   return controller;

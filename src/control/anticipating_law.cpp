@@ -30,7 +30,7 @@ const std::vector<Parameter<AnticipateConfig>>& AnticipateConfig::parameters() {
       {"velocity_scale_mps", &C::velocity_scale_mps, 0.01, 5.0,
        "speed relative to the leader commanded at 1 on the universe of u"},
       {"heading_gain_per_s", &C::heading_gain_per_s, 0.0, 20.0, "turn rate per radian of predicted bearing error"},
-      {"trusted_sigma_mps", &C::trusted_sigma_mps, 1e-3, 10.0,
+      {"half_weight_sigma_mps", &C::half_weight_sigma_mps, 1e-3, 10.0,
        "standard deviation of the leader's velocity at which it counts half"},
       {"minimum_distance_m", &C::minimum_distance_m, 0.0, 20.0,
        "d_min: never so fast that the robot could not stop before, should the leader stop dead"},
@@ -43,8 +43,8 @@ const std::vector<Parameter<AnticipateConfig>>& AnticipateConfig::parameters() {
   return table;
 }
 
-double trust(const AnticipateConfig& config, const LeaderMotion& leader) noexcept {
-  const double sigma = std::max(leader.radial_sigma_mps, leader.tangential_sigma_mps) / config.trusted_sigma_mps;
+double feed_forward_weight(const AnticipateConfig& config, const LeaderMotion& leader) noexcept {
+  const double sigma = std::max(leader.radial_sigma_mps, leader.tangential_sigma_mps) / config.half_weight_sigma_mps;
   return 1.0 / (1.0 + sigma * sigma);
 }
 

@@ -59,14 +59,14 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
   if (is_one_of({"limits", "drive"})) return true;
   if (config.active_law != kFuzzyLaw) return section == config.active_law;
   return is_one_of({"velocity", "heading"}) ||
-         (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_motion", "announcement"}));
+         (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_motion", "leader_intent"}));
 }
 
 Follower::Follower(FollowerConfig config)
     : config_(std::move(config)),
       own_(config_.drive, config_.limits),
       leader_(config_.leader_motion),
-      announced_(config_.announcement) {
+      intent_(config_.leader_intent) {
   check_tree(config_, "control");
   for (LawDescription& law : config_.laws)
     for (const LawParameter& parameter : law.parameters) set_parameter(law, parameter.key, parameter.value);
@@ -77,7 +77,7 @@ Follower::Follower(FollowerConfig config)
     // Else the fuzzy law would drive under another one's name.
     if (!other_law_) throw ConfigError("control." + law.name, "cannot be made: its description makes no law");
   }
-  if (!other_law_ || !config_.law.rules.consequents.empty()) fuzzy::prove(config_.law);
+  if (!other_law_ || !config_.law.rules.consequents.empty()) fuzzy::validate(config_.law);
 }
 
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
@@ -123,27 +123,27 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   // A command has taken effect one latency after the exposure and one lag later; that is the moment to think of.
   const double delay_s = config_.drive.latency_s + config_.drive.actuator_lag_s;
   const std::int64_t effect_utime = later_s(observation.utime, delay_s);
-  OwnMotion then = own_;
+  EgoMotion then = own_;
   then.advance_to(effect_utime);
-  // Only what this very picture shows can judge an announcement.
-  if (announced_.heard() && leader_.utime() == observation.utime)
-    output.announcement = announced_.judge(leader_.at(observation.utime), own_.pose(), observation.utime);
-  output.own_motion = own_.source();
+  // Only what this very picture shows can judge a leader intent.
+  if (intent_.heard() && leader_.utime() == observation.utime)
+    output.leader_intent = intent_.evaluate(leader_.at(observation.utime), own_.pose(), observation.utime);
+  output.ego_motion = own_.source();
   const LeaderMotion seen = seen_from(then.pose(), leader_.at(effect_utime));
   const LeaderMotion leader =
-      output.announcement == AnnouncementUse::used ? seen_from(then.pose(), slowed_leader(effect_utime)) : seen;
-  const double trusted = trust(config_.anticipate, leader);
+      output.leader_intent == LeaderIntentUse::used ? seen_from(then.pose(), slowed_leader(effect_utime)) : seen;
+  const double weight = feed_forward_weight(config_.anticipate, leader);
   const Anticipation anticipation =
       anticipate(config_.law, config_.velocity, config_.anticipate, leader, then.twist(), setpoint);
   output.velocity = anticipation.velocity;
   output.leader = leader;
-  output.trust = trusted;
+  output.feed_forward_weight = weight;
 
   Twist wanted;
-  wanted.linear_mps = (1.0 - trusted) * published.linear_mps + trusted * anticipation.wanted.linear_mps;
-  wanted.angular_radps = (1.0 - trusted) * published.angular_radps + trusted * anticipation.wanted.angular_radps;
+  wanted.linear_mps = (1.0 - weight) * published.linear_mps + weight * anticipation.wanted.linear_mps;
+  wanted.angular_radps = (1.0 - weight) * published.angular_radps + weight * anticipation.wanted.angular_radps;
   const Reaction reaction{config_.limits, delay_s};
-  // The guards believe what is seen; what is announced may only make them stricter.
+  // The guards work on what is seen; what is announced may only make them stricter.
   wanted.linear_mps = std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
                                 stopping_speed(config_.anticipate, reaction, seen),
                                 eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, dt_s)});
@@ -152,9 +152,9 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
 
 LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept {
   const LeaderMotionConfig& motion = config_.leader_motion;
-  const std::int64_t since_utime = std::clamp(announced_.since_utime(), leader_.utime(), effect_utime);
-  return predict_leader(announced_.slowed(leader_.at(since_utime)), motion.steering_velocity_sigma,
-                        motion.steering_turn_sigma, motion.own_position_sigma,
+  const std::int64_t since_utime = std::clamp(intent_.since_utime(), leader_.utime(), effect_utime);
+  return predict_leader(intent_.slowed(leader_.at(since_utime)), motion.manoeuvre_velocity_sigma,
+                        motion.manoeuvre_turn_sigma, motion.own_position_sigma,
                         seconds_between(since_utime, effect_utime));
 }
 
@@ -166,13 +166,13 @@ void Follower::restart(std::int64_t since_utime) {
 }
 
 void Follower::restart_on_new_clock() noexcept {
-  own_ = OwnMotion(config_.drive, config_.limits);
+  own_ = EgoMotion(config_.drive, config_.limits);
   forget_leader();
 }
 
 void Follower::forget_leader() noexcept {
   leader_.reset();
-  announced_.reset();
+  intent_.reset();
   if (other_law_) other_law_->restart();
   last_utime_.reset();
   last_error_m_.reset();

@@ -14,9 +14,9 @@ namespace {
 // State: position, velocity, heading, turn rate.
 constexpr int kPosition = 0, kVelocity = 2, kHeading = 4, kTurn = 5;
 
-constexpr int kCalm = 0, kJolt = 2;  // and 1: steering
+constexpr int kQuiescent = 0, kAbrupt = 2;  // and 1: manoeuvre
 
-// A measurement is never believed more than this: what rounding and a rigid world leave over.
+// No measurement counts as more exact than this: what rounding and a rigid world leave over.
 constexpr double kFloor_m = 2e-5, kFloor_rad = 5e-5;
 constexpr double kNoHeading_rad2 = 100.0;  // the variance of a heading that says nothing
 // Before anything is known, of a leader indoors.
@@ -36,13 +36,13 @@ LeaderMatrix symmetric(const LeaderMatrix& matrix) { return 0.5 * (matrix + matr
 const std::vector<Parameter<LeaderMotionConfig>>& LeaderMotionConfig::parameters() {
   using C = LeaderMotionConfig;
   static const std::vector<Parameter<C>> table = {
-      {"calm_velocity_sigma", &C::calm_velocity_sigma, 1e-5, 10.0,
-       "change of a calm leader's velocity [m/s per sqrt(s)]"},
-      {"calm_turn_sigma", &C::calm_turn_sigma, 1e-5, 100.0, "change of its turn rate [rad/s per sqrt(s)]"},
-      {"steering_velocity_sigma", &C::steering_velocity_sigma, 1e-5, 10.0, "the same, of a leader that steers"},
-      {"steering_turn_sigma", &C::steering_turn_sigma, 1e-5, 100.0, "the same, of a leader that steers"},
-      {"jolt_velocity_sigma", &C::jolt_velocity_sigma, 1e-5, 10.0, "the same, of a leader that stops dead or starts"},
-      {"jolt_turn_sigma", &C::jolt_turn_sigma, 1e-5, 100.0, "the same, of a leader that stops dead or starts"},
+      {"quiescent_velocity_sigma", &C::quiescent_velocity_sigma, 1e-5, 10.0,
+       "quiescent mode: change of the leader's velocity [m/s per sqrt(s)]"},
+      {"quiescent_turn_sigma", &C::quiescent_turn_sigma, 1e-5, 100.0, "change of its turn rate [rad/s per sqrt(s)]"},
+      {"manoeuvre_velocity_sigma", &C::manoeuvre_velocity_sigma, 1e-5, 10.0, "manoeuvre mode: the same"},
+      {"manoeuvre_turn_sigma", &C::manoeuvre_turn_sigma, 1e-5, 100.0, "manoeuvre mode: the same"},
+      {"abrupt_velocity_sigma", &C::abrupt_velocity_sigma, 1e-5, 10.0, "abrupt mode (stops dead, starts): the same"},
+      {"abrupt_turn_sigma", &C::abrupt_turn_sigma, 1e-5, 100.0, "abrupt mode (stops dead, starts): the same"},
       {"change_rate_per_s", &C::change_rate_per_s, 1e-4, 30.0, "how often a leader passes from one to another"},
       {"own_position_sigma", &C::own_position_sigma, 0.0, 1.0, "error of the own dead reckoning [m per sqrt(s)]"},
       {"gate_sigma", &C::gate_sigma, 3.0, 100.0, "a measurement farther off than this is an outlier"},
@@ -147,7 +147,7 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
   Outcome outcome = Outcome::updated;
   double distance2 = correct(z, dt_s);
   if (!(distance2 <= gate2)) {
-    // The other of the two poses of a flat tag has about the same position: believe that alone.
+    // The other of the two poses of a flat tag has about the same position: use that alone.
     *this = mixed;
     z.covariance.row(2).setZero();
     z.covariance.col(2).setZero();
@@ -243,17 +243,18 @@ LeaderEstimate LeaderMotionEstimator::predicted(int mode, double dt_s) const noe
   // A jolt happens at once, right after the last measurement: then the whole way it explains was made with the new
   // velocity. Noise spread over dt would take it for the end of a change that goes on (1.5 times as much, since
   // cov(p, v) / var(p) = (dt^2/2) / (dt^3/3)), and read a leader that stops dead as one that reverses.
-  if (mode == kJolt) {
+  if (mode == kAbrupt) {
     LeaderEstimate jolted = modes_[mode];
-    const double velocity = config_.jolt_velocity_sigma, turn = config_.jolt_turn_sigma;
+    const double velocity = config_.abrupt_velocity_sigma, turn = config_.abrupt_turn_sigma;
     jolted.covariance(kVelocity, kVelocity) += velocity * velocity * dt_s;
     jolted.covariance(kVelocity + 1, kVelocity + 1) += velocity * velocity * dt_s;
     jolted.covariance(kTurn, kTurn) += turn * turn * dt_s;
     return predict_leader(jolted, 0.0, 0.0, config_.own_position_sigma, dt_s);
   }
-  const bool calm = mode == kCalm;
-  return predict_leader(modes_[mode], calm ? config_.calm_velocity_sigma : config_.steering_velocity_sigma,
-                        calm ? config_.calm_turn_sigma : config_.steering_turn_sigma, config_.own_position_sigma, dt_s);
+  const bool calm = mode == kQuiescent;
+  return predict_leader(modes_[mode], calm ? config_.quiescent_velocity_sigma : config_.manoeuvre_velocity_sigma,
+                        calm ? config_.quiescent_turn_sigma : config_.manoeuvre_turn_sigma, config_.own_position_sigma,
+                        dt_s);
 }
 
 LeaderEstimate LeaderMotionEstimator::at(std::int64_t utime) const noexcept {

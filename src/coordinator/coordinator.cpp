@@ -92,9 +92,9 @@ Coordinator::Coordinator(const CoordinatorConfig& config)
   held_.run = setpoint_.run;
 }
 
-StampVerdict Coordinator::judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
+StampVerdict Coordinator::classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
   now_ = std::max(now_, now);
-  const StampVerdict verdict = timeline_.judge(utime, known_age_us, now_);
+  const StampVerdict verdict = timeline_.classify(utime, known_age_us, now_);
   if (verdict.new_epoch) begin_epoch();
   held_.utime = timeline_.last_utime().value_or(0);
   // Between the last measurement and this frame the wheels were told to stand still: the law starts from rest.
@@ -104,24 +104,26 @@ StampVerdict Coordinator::judge(std::int64_t utime, std::int64_t known_age_us, M
 }
 
 StepResult Coordinator::step(const Frame& frame, MonotonicTime now) noexcept {
-  const StampVerdict verdict = judge(frame.utime, frame.known_age_us, now);
+  const StampVerdict verdict = classify(frame.utime, frame.known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(frame.utime, verdict.reason);
   const bool frozen = !noiseless_camera_ && check(frame.image) == Reason::none && frozen_.is_frozen(frame.image);
-  const vision::Sight sight = frozen ? vision::Sight{std::nullopt, Reason::camera_frozen} : observer_.observe(frame);
-  return answer_latest(frame.utime, sight, verdict.age_us);
+  const vision::ObservationResult sight =
+      frozen ? vision::ObservationResult{std::nullopt, Reason::camera_frozen} : observer_.observe(frame);
+  return step_latest(frame.utime, sight, verdict.age_us);
 }
 
-StepResult Coordinator::answer(std::int64_t utime, const vision::Sight& sight, MonotonicTime now,
-                               std::int64_t known_age_us) noexcept {
-  const StampVerdict verdict = judge(utime, known_age_us, now);
+StepResult Coordinator::step_observation(std::int64_t utime, const vision::ObservationResult& sight, MonotonicTime now,
+                                         std::int64_t known_age_us) noexcept {
+  const StampVerdict verdict = classify(utime, known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
-  return answer_latest(utime, sight, verdict.age_us);
+  return step_latest(utime, sight, verdict.age_us);
 }
 
-StepResult Coordinator::answer_latest(std::int64_t utime, const vision::Sight& sight, std::int64_t age_us) noexcept {
+StepResult Coordinator::step_latest(std::int64_t utime, const vision::ObservationResult& sight,
+                                    std::int64_t age_us) noexcept {
   if (!setpoint_.run) {
     rest(utime);
-    StepResult result{utime, Status::stopped, Reason::told_to_stop, sight.observation, std::nullopt, Twist{}};
+    StepResult result{utime, Status::stopped, Reason::stop_requested, sight.observation, std::nullopt, Twist{}};
     return result;
   }
   if (!sight.observation) {
@@ -190,24 +192,24 @@ void Coordinator::remember_decisions(Self& self, Archive& archive) {
 }
 
 template <class Self, class Archive>
-void Coordinator::remember_eyes(Self& self, Archive& archive) {
+void Coordinator::remember_vision(Self& self, Archive& archive) {
   archive(self.frozen_, self.observer_);
 }
 
 CoordinatorMemory Coordinator::memory() const {
   CoordinatorMemory memory;
-  CheckpointWriter decisions(memory.decisions), eyes(memory.eyes);
+  CheckpointWriter decisions(memory.decisions), vision(memory.vision);
   remember_decisions(*this, decisions);
-  remember_eyes(*this, eyes);
+  remember_vision(*this, vision);
   return memory;
 }
 
 bool Coordinator::set_memory(const CoordinatorMemory& memory) {
   const auto take = [this](const CoordinatorMemory& from) {
-    CheckpointReader decisions(from.decisions), eyes(from.eyes);
+    CheckpointReader decisions(from.decisions), vision(from.vision);
     remember_decisions(*this, decisions);
-    remember_eyes(*this, eyes);
-    return decisions.read_all() && eyes.read_all();
+    remember_vision(*this, vision);
+    return decisions.read_all() && vision.read_all();
   };
   const CoordinatorMemory before = this->memory();
   if (take(memory)) return true;
@@ -220,12 +222,12 @@ bool Coordinator::is_near_last_frame(std::int64_t utime) const noexcept {
   return last && std::abs(seconds_between(*last, utime)) <= kOtherClock_s;
 }
 
-bool Coordinator::set_own_motion(std::int64_t utime, const Twist& twist) noexcept {
-  return is_near_last_frame(utime) && follower_.set_own_motion(utime, twist);
+bool Coordinator::set_ego_motion(std::int64_t utime, const Twist& twist) noexcept {
+  return is_near_last_frame(utime) && follower_.set_ego_motion(utime, twist);
 }
 
-bool Coordinator::set_announced_motion(std::int64_t utime, const Twist& twist) noexcept {
-  return is_near_last_frame(utime) && follower_.set_announced_motion(utime, twist);
+bool Coordinator::set_leader_intent(std::int64_t utime, const Twist& twist) noexcept {
+  return is_near_last_frame(utime) && follower_.set_leader_intent(utime, twist);
 }
 
 }  // namespace pilotfish

@@ -33,13 +33,13 @@ void FrameTimeline::remember_numbering(std::int64_t utime, MonotonicTime now) no
 }
 
 bool FrameTimeline::is_proven(std::int64_t known_age_us, MonotonicTime now) noexcept {
-  if (proven_ || known_age_us == 0 || known_age_us > max_age_us_ || static_cast<double>(known_age_us) < -kAhead_us)
+  if (confirmed_ || known_age_us == 0 || known_age_us > max_age_us_ || static_cast<double>(known_age_us) < -kAhead_us)
     return false;
-  if (!proofs_since_ || between_us(proofs_since_->us, now.us) > kQuickWithin_us) {
-    proofs_since_ = now;
-    proofs_ = 0;
+  if (!confirming_since_ || between_us(confirming_since_->us, now.us) > kQuickWithin_us) {
+    confirming_since_ = now;
+    confirmations_ = 0;
   }
-  return ++proofs_ >= kProofs;
+  return ++confirmations_ >= kConfirmations;
 }
 
 StampVerdict FrameTimeline::begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
@@ -54,9 +54,9 @@ StampVerdict FrameTimeline::begin_epoch(std::int64_t utime, std::int64_t known_a
   remember_numbering(utime, now);
   offset_us_ = least_us_ = 0.0;
   run_.reset();
-  agreeing_ = quick_ = proofs_ = 0;
-  proofs_since_.reset();
-  proven_ = known_age_us != 0;
+  agreeing_ = quick_ = confirmations_ = 0;
+  confirming_since_.reset();
+  confirmed_ = known_age_us != 0;
   return {Reason::none, !first, std::max<std::int64_t>(known_age_us, 0)};
 }
 
@@ -72,8 +72,8 @@ StampVerdict FrameTimeline::refuse(Reason reason, std::int64_t utime, MonotonicT
   return {reason, false, 0};
 }
 
-bool FrameTimeline::is_proved_quick(double offset_us, MonotonicTime now) noexcept {
-  if (offset_us < -kQuickWithin_us) return false;  // nothing takes that long and is believed afterwards
+bool FrameTimeline::is_confirmed_quick(double offset_us, MonotonicTime now) noexcept {
+  if (offset_us < -kQuickWithin_us) return false;  // nothing takes that long and is accepted afterwards
   if (!quick_since_ || between_us(quick_since_->us, now.us) > kQuickWithin_us) {
     quick_since_ = now;
     quick_ = 0;
@@ -86,7 +86,7 @@ bool FrameTimeline::is_proved_quick(double offset_us, MonotonicTime now) noexcep
   return true;
 }
 
-StampVerdict FrameTimeline::judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
+StampVerdict FrameTimeline::classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
   // Of the future by a clock that both sides share: no guess, so it does not speak for a new epoch either.
   const auto known_us = static_cast<double>(known_age_us);
   const bool shared = std::abs(known_us) < kSharedClock_us;
@@ -107,7 +107,8 @@ StampVerdict FrameTimeline::judge(std::int64_t utime, std::int64_t known_age_us,
   const double pull_us = std::clamp(offset_us_, -drift_us, drift_us);
   const double offset_us = offset_us_ - pull_us + passed_us - stamps_us;
   if (offset_us < -kAhead_us)
-    return run_complete || is_proven(known_age_us, now) || (may_begin(known_age_us) && is_proved_quick(offset_us, now))
+    return run_complete || is_proven(known_age_us, now) ||
+                   (may_begin(known_age_us) && is_confirmed_quick(offset_us, now))
                ? begin_epoch(utime, known_age_us, now)
                : refuse(Reason::frame_time_implausible, utime, now);
 

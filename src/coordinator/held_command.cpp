@@ -24,7 +24,7 @@ bool is_invalid_input(Reason reason) {
 }  // namespace
 
 HeldAnswer HeldCommand::at(MonotonicTime now, Reason reason) const noexcept {
-  if (!run) return {Status::stopped, Reason::told_to_stop, Twist{}};
+  if (!run) return {Status::stopped, Reason::stop_requested, Twist{}};
   const bool fresh = fresh_at(now);
   const Twist twist = fresh ? command : Twist{};
   if (is_invalid_input(reason)) return {Status::invalid_input, reason, twist};

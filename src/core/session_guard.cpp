@@ -47,7 +47,7 @@ std::string_view to_string(SetpointVerdict verdict) noexcept {
   return "unknown";
 }
 
-SetpointVerdict SetpointGate::judge(std::int64_t session, std::int64_t counter, const Setpoint& asked) const {
+SetpointVerdict SetpointGate::check(std::int64_t session, std::int64_t counter, const Setpoint& asked) const {
   switch (sequence_.check(session, counter)) {
     case SequenceVerdict::wrong_session: return SetpointVerdict::wrong_session;
     case SequenceVerdict::not_rising: return SetpointVerdict::replayed;
@@ -59,7 +59,7 @@ SetpointVerdict SetpointGate::judge(std::int64_t session, std::int64_t counter, 
 
 SetpointDecision SetpointGate::decide(std::int64_t session, std::int64_t counter, const Setpoint& asked,
                                       const Setpoint& kept) {
-  const SetpointVerdict verdict = judge(session, counter, asked);
+  const SetpointVerdict verdict = check(session, counter, asked);
   const bool acceptable = verdict == SetpointVerdict::accepted;
   if (acceptable) sequence_.accept(session, counter);
   Setpoint setpoint = acceptable ? asked : kept;

@@ -29,7 +29,7 @@ std::string_view to_string(Reason reason) noexcept {
     case Reason::frame_stride_invalid: return "the frame's stride is shorter than a row";
     case Reason::frame_time_not_advancing: return "the frame is not later than the one before";
     case Reason::frame_stale: return "the frame was too old when it arrived";
-    case Reason::told_to_stop: return "told to stop";
+    case Reason::stop_requested: return "told to stop";
     case Reason::law_not_finite: return "the law's output was not finite";
     case Reason::tag_duplicate: return "a tag of the leader is seen twice";
     case Reason::tag_outside_frame: return "a tag of the leader is partly outside the picture";

@@ -15,33 +15,34 @@ Moments line_moments(const Arc& line, double x0, double x1) noexcept {
   return {0.5 * width * (y0 + y1), width / 6.0 * (x0 * (2.0 * y0 + y1) + x1 * (y0 + 2.0 * y1))};
 }
 
-// A bell g:  int g dx = sigma sqrt(pi/2) [erf(z)] with z = (x - m)/(sigma sqrt 2), and because g' = -(x -
+// A Gaussian g:  int g dx = sigma sqrt(pi/2) [erf(z)] with z = (x - m)/(sigma sqrt 2), and because g' = -(x -
 // m)/sigma^2 g, int x g dx = m int g dx - sigma^2 [g]. An arc lies on one side of the mean, where differences
 // of erfc keep the digits that differences of erf lose in the tails.
-Moments bell_moments(const Arc& bell, double x0, double x1) noexcept {
+Moments gaussian_moments(const Arc& gaussian, double x0, double x1) noexcept {
   constexpr double kSqrtHalfPi = 1.25331413731550025121, kSqrtHalf = 0.70710678118654752440;
-  const double z0 = (x0 - bell.mean) / bell.sigma * kSqrtHalf, z1 = (x1 - bell.mean) / bell.sigma * kSqrtHalf;
+  const double z0 = (x0 - gaussian.mean) / gaussian.sigma * kSqrtHalf,
+               z1 = (x1 - gaussian.mean) / gaussian.sigma * kSqrtHalf;
   const double erf_difference = z0 >= 0.0 ? std::erfc(z0) - std::erfc(z1) : std::erfc(-z1) - std::erfc(-z0);
-  const double area = bell.sigma * kSqrtHalfPi * erf_difference;
-  return {area, bell.mean * area - bell.sigma * bell.sigma * (bell(x1) - bell(x0))};
+  const double area = gaussian.sigma * kSqrtHalfPi * erf_difference;
+  return {area, gaussian.mean * area - gaussian.sigma * gaussian.sigma * (gaussian(x1) - gaussian(x0))};
 }
 
 }  // namespace
 
-Moments clipped_union_moments(const LinguisticVariable& output, const double* heights) noexcept {
+Moments clipped_union_moments(const LinguisticVariable& output, const double* term_strengths) noexcept {
   Moments sum;
-  Envelope(output, heights).for_each([&](double begin, double end, const Arc& arc) {
-    const Moments piece = arc.is_bell() ? bell_moments(arc, begin, end) : line_moments(arc, begin, end);
+  Envelope(output, term_strengths).for_each([&](double begin, double end, const Arc& arc) {
+    const Moments piece = arc.is_gaussian() ? gaussian_moments(arc, begin, end) : line_moments(arc, begin, end);
     sum.area += piece.area;
     sum.first += piece.first;
   });
   return sum;
 }
 
-std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* heights) {
+std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* term_strengths) {
   if (!OrderedUnion::fits(output)) return std::nullopt;
   const OrderedUnion ordered(output);
-  return ordered.moments(ordered.sum_over(std::vector<bool>(output.terms.size(), true)), heights);
+  return ordered.moments(ordered.sum_over(std::vector<bool>(output.terms.size(), true)), term_strengths);
 }
 
 }  // namespace pilotfish::fuzzy

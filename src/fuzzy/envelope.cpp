@@ -28,12 +28,12 @@ bool changes_sign(Function f, double lo, double hi) noexcept {
 
 }  // namespace
 
-Envelope::Envelope(const LinguisticVariable& variable, const double* heights) noexcept
+Envelope::Envelope(const LinguisticVariable& variable, const double* term_strengths) noexcept
     : min_(variable.min), max_(variable.max) {
   knees_[knee_count_++] = min_;
   knees_[knee_count_++] = max_;
   for (std::size_t k = 0; k < std::min(variable.terms.size(), kMaxTerms); ++k) {
-    const double height = std::min(heights[k], 1.0);
+    const double height = std::min(term_strengths[k], 1.0);
     if (!(height > 0.0)) continue;
     with_shape(variable.terms[k].set, [&](const auto& shape) { add_clipped(shape, height); });
   }
@@ -60,17 +60,17 @@ void Envelope::add_clipped(const Trapezoid& set, double height) noexcept {
   if (set.c < set.d) add(Arc::line(right, set.d, 0.0, -1.0 / (set.d - set.c), set.d));
 }
 
-// A bell's curvature changes sign one sigma beside the mean. Split there, so that every arc is convex or
+// A Gaussian's curvature changes sign one sigma beside the mean. Split there, so that every arc is convex or
 // concave and meets a straight line at most twice.
 void Envelope::add_clipped(const Gaussian& set, double height) noexcept {
   const auto [left, right] = level_cut(set, height);
   const double left_inflection = std::min(set.mean - set.sigma, left);
   const double right_inflection = std::max(set.mean + set.sigma, right);
-  add(Arc::bell(min_, left_inflection, set));
-  add(Arc::bell(left_inflection, left, set));
+  add(Arc::gaussian(min_, left_inflection, set));
+  add(Arc::gaussian(left_inflection, left, set));
   add(Arc::line(left, right, height));
-  add(Arc::bell(right, right_inflection, set));
-  add(Arc::bell(right_inflection, max_, set));
+  add(Arc::gaussian(right, right_inflection, set));
+  add(Arc::gaussian(right_inflection, max_, set));
 }
 
 std::size_t Envelope::crossings(const Arc& f, const Arc& g, double begin, double end, double* out) noexcept {
@@ -78,16 +78,16 @@ std::size_t Envelope::crossings(const Arc& f, const Arc& g, double begin, double
   const auto keep = [&](double x) {
     if (begin < x && x < end) out[count++] = x;
   };
-  if (!f.is_bell() && !g.is_bell()) {
+  if (!f.is_gaussian() && !g.is_gaussian()) {
     const double at_begin = f(begin) - g(begin), at_end = f(end) - g(end);
     if ((at_begin < 0.0) != (at_end < 0.0)) keep(begin + (end - begin) * at_begin / (at_begin - at_end));
-  } else if (f.is_bell() && g.is_bell()) {
-    // Two bells are equal where (x - m1)/s1 = +-(x - m2)/s2.
+  } else if (f.is_gaussian() && g.is_gaussian()) {
+    // Two Gaussians are equal where (x - m1)/s1 = +-(x - m2)/s2.
     keep((f.mean * g.sigma + g.mean * f.sigma) / (f.sigma + g.sigma));
     if (f.sigma != g.sigma) keep((f.mean * g.sigma - g.mean * f.sigma) / (g.sigma - f.sigma));
   } else if (f.slope == 0.0 && g.slope == 0.0) {
-    const auto& [bell, line] = f.is_bell() ? std::tie(f, g) : std::tie(g, f);
-    for (double x : level_cut(Gaussian{bell.mean, bell.sigma}, line.level)) keep(x);
+    const auto& [gaussian, line] = f.is_gaussian() ? std::tie(f, g) : std::tie(g, f);
+    for (double x : level_cut(Gaussian{gaussian.mean, gaussian.sigma}, line.level)) keep(x);
   } else {
     // Bell minus line is convex or concave here, so it is monotone on either side of its stationary point.
     const auto difference = [&](double x) { return f(x) - g(x); };

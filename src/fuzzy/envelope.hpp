@@ -9,33 +9,35 @@
 namespace pilotfish::fuzzy {
 
 /// One smooth stretch of a clipped fuzzy set, over [begin, end]: a straight line  level + slope (x - anchor),
-/// or a flank of a bell  exp(-(x - mean)^2 / (2 sigma^2))  that does not change the sign of its curvature.
+/// or a flank of a Gaussian  exp(-(x - mean)^2 / (2 sigma^2))  that does not change the sign of its curvature.
 /// Without default values on purpose: an array of arcs costs nothing until it is filled.
 struct Arc {
   double begin, end;
   double level, slope, anchor;  ///< of a line
-  double mean, sigma;           ///< of a bell; sigma == 0 marks a line
+  double mean, sigma;           ///< of a Gaussian; sigma == 0 marks a line
 
   static Arc line(double begin, double end, double level, double slope = 0.0, double anchor = 0.0) noexcept {
     return {begin, end, level, slope, anchor, 0.0, 0.0};
   }
-  static Arc bell(double begin, double end, const Gaussian& set) noexcept {
+  static Arc gaussian(double begin, double end, const Gaussian& set) noexcept {
     return {begin, end, 0.0, 0.0, 0.0, set.mean, set.sigma};
   }
 
-  bool is_bell() const noexcept { return sigma > 0.0; }
+  bool is_gaussian() const noexcept { return sigma > 0.0; }
   double operator()(double x) const noexcept {
-    return is_bell() ? membership(Gaussian{mean, sigma}, x) : level + slope * (x - anchor);
+    return is_gaussian() ? membership(Gaussian{mean, sigma}, x) : level + slope * (x - anchor);
   }
-  double derivative(double x) const noexcept { return is_bell() ? -(x - mean) / (sigma * sigma) * (*this)(x) : slope; }
+  double derivative(double x) const noexcept {
+    return is_gaussian() ? -(x - mean) / (sigma * sigma) * (*this)(x) : slope;
+  }
 };
 
-/// The upper envelope max_k min(heights[k], mu_k(x)) over the universe of a variable, as a sequence of arcs
+/// The upper envelope max_k min(term_strengths[k], mu_k(x)) over the universe of a variable, as a sequence of arcs
 /// that touch and do not overlap. Exact: its breakpoints are the knees of every clipped term and the
-/// crossings between them. Works in fixed arrays; variables with more than kMaxTerms terms are refused by prove().
+/// crossings between them. Works in fixed arrays; variables with more than kMaxTerms terms are refused by validate().
 class Envelope {
  public:
-  Envelope(const LinguisticVariable& variable, const double* heights) noexcept;
+  Envelope(const LinguisticVariable& variable, const double* term_strengths) noexcept;
 
   /// visit(begin, end, arc) from the left end of the universe to the right; a stretch that no term covers
   /// comes as an arc that is zero.
@@ -46,7 +48,7 @@ class Envelope {
   }
 
  private:
-  static constexpr std::size_t kArcsPerTerm = 5;  // a bell: tail, flank, clipped top, flank, tail
+  static constexpr std::size_t kArcsPerTerm = 5;  // a Gaussian: tail, flank, clipped top, flank, tail
   static constexpr std::size_t kMaxArcs = kArcsPerTerm * kMaxTerms;
   static constexpr std::size_t kMaxCrossings = kMaxTerms * (kMaxTerms - 1);  // two for each pair of terms
 

@@ -39,8 +39,8 @@ Fuzzifier::Fuzzifier(const LinguisticVariable& variable)
     const double right = stretch / 2 < corners_.size() ? corners_[stretch / 2] : kInfinity;
     for (std::uint32_t k = 0; k < sets.size(); ++k) {
       const Trapezoid& s = sets[k];
-      if (const auto* bell = std::get_if<Gaussian>(&variable.terms[k].set)) {
-        sides_.push_back({k, true, 0.0, bell->mean, bell->sigma});
+      if (const auto* gaussian = std::get_if<Gaussian>(&variable.terms[k].set)) {
+        sides_.push_back({k, true, 0.0, gaussian->mean, gaussian->sigma});
       } else if (is_corner) {
         const double degree = membership(s, right);
         if (degree > 0.0) sides_.push_back({k, false, degree, 0.0, kInfinity});

@@ -11,15 +11,15 @@ namespace pilotfish::fuzzy {
 
 /// The terms of an input that may have a degree above zero, few of them as a rule. (Not bytes: a compiler must assume
 /// that a byte written may be a part of anything.)
-struct Fired {
+struct FuzzifiedInput {
   std::array<std::uint32_t, kMaxTerms> term;
   std::array<double, kMaxTerms> degree;
   std::size_t count;
 };
 
 /// The terms of an input variable, sorted at load by where on its universe they matter. The corners of all sets cut the
-/// universe into stretches; on each, a term is zero, one, or one straight side (or a bell). Degrees are the same bits
-/// as membership() gives.
+/// universe into stretches; on each, a term is zero, one, or one straight side (or a Gaussian). Degrees are the same
+/// bits as membership() gives.
 ///
 /// Stretches are numbered from the left, points among them: 0 is before the first corner, 1 is that corner itself, 2 is
 /// behind it, and so on. A corner is a stretch of its own because a vertical side belongs to its set and ends there.
@@ -38,24 +38,25 @@ class Fuzzifier {
     while (corners[below] < x) ++below;
     return 2 * below + (corners[below] == x ? 1 : 0);
   }
-  void fuzzify(double x, std::size_t stretch, Fired& fired) const noexcept {
+  void fuzzify(double x, std::size_t stretch, FuzzifiedInput& fuzzified) const noexcept {
     const Side* const end = sides_.data() + begins_[stretch + 1];
     std::size_t count = 0;
     for (const Side* side = sides_.data() + begins_[stretch]; side != end; ++side, ++count) {
-      fired.term[count] = side->term;
-      fired.degree[count] = side->is_bell ? membership(Gaussian{side->anchor, side->width}, x)
-                                          : side->offset + (x - side->anchor) / side->width;
+      fuzzified.term[count] = side->term;
+      fuzzified.degree[count] = side->is_gaussian ? membership(Gaussian{side->anchor, side->width}, x)
+                                                  : side->offset + (x - side->anchor) / side->width;
     }
-    fired.count = count;
+    fuzzified.count = count;
   }
 
  private:
   static constexpr std::size_t kBuckets = 128;
 
-  /// degree = offset + (x - anchor)/width, where a constant has an infinite width; or a bell of that mean and sigma.
+  /// degree = offset + (x - anchor)/width, where a constant has an infinite width; or a Gaussian of that mean and
+  /// sigma.
   struct Side {
     std::uint32_t term;
-    bool is_bell;
+    bool is_gaussian;
     double offset, anchor, width;
   };
 

@@ -12,7 +12,7 @@ double level_at(const std::array<double, 2>& line, double x) {
   return std::isfinite(level) ? std::clamp(level, 0.0, 1.0) : 1.0;
 }
 
-// A triangle is the trapezoid with c == b. Bells have no place here.
+// A triangle is the trapezoid with c == b. Gaussians have no place here.
 const Trapezoid* as_trapezoid(const MembershipFunction& set, Trapezoid& storage) {
   if (const auto* triangle = std::get_if<Triangle>(&set))
     storage = {triangle->a, triangle->b, triangle->b, triangle->c};

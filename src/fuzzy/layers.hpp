@@ -42,10 +42,10 @@ class LayerProfile {
   std::array<Piece, 3> pieces_;  ///< L and R may each leave an end of the universe once
 };
 
-/// Moments of the union max_k min(heights[k], mu_k(u)) of trapezoids that are ordered on the axis, without looking for
-/// its knees. Layer by layer (Cavalieri): at the level y the union is that of the cuts [l_k(y), r_k(y)] of the terms
-/// whose height is at least y. If l_k and r_k never fall with k, then a point that lies in the cuts of two terms lies
-/// in the cuts of all between, so those it lies in follow each other, and
+/// Moments of the union max_k min(term_strengths[k], mu_k(u)) of trapezoids that are ordered on the axis, without
+/// looking for its knees. Layer by layer (Cavalieri): at the level y the union is that of the cuts [l_k(y), r_k(y)] of
+/// the terms whose height is at least y. If l_k and r_k never fall with k, then a point that lies in the cuts of two
+/// terms lies in the cuts of all between, so those it lies in follow each other, and
 ///   1(union) = sum_k 1(cut_k) - sum 1(cut_i and cut_j)   over neighbours i < j among the terms that reach the level y.
 /// Terms i < j are neighbours at the levels between the greatest height of the terms between them and their own lesser
 /// height. Integrated over y, every summand is a LayerProfile, known at load.
@@ -66,18 +66,18 @@ class OrderedUnion {
   };
   Sum sum_over(const std::vector<bool>& active) const;
 
-  Moments moments(const Sum& sum, const double* heights) const noexcept {
+  Moments moments(const Sum& sum, const double* term_strengths) const noexcept {
     Moments total;
     const LayerProfile* const profiles = profiles_.data();
     for (const Sum::Part& part : sum.parts) {
-      const Moments m = profiles[part.profile].up_to(std::min(heights[part.i], heights[part.j]));
+      const Moments m = profiles[part.profile].up_to(std::min(term_strengths[part.i], term_strengths[part.j]));
       total.area += m.area;
       total.first += m.first;
     }
     for (const Sum::Part& part : sum.apart) {
       double hidden = 0.0;  // up to the greatest height between them they are no neighbours
-      for (std::size_t k = part.i + 1; k < part.j; ++k) hidden = std::max(hidden, heights[k]);
-      const double shared = std::min(heights[part.i], heights[part.j]);
+      for (std::size_t k = part.i + 1; k < part.j; ++k) hidden = std::max(hidden, term_strengths[k]);
+      const double shared = std::min(term_strengths[part.i], term_strengths[part.j]);
       const Moments m = profiles[part.profile].up_to(shared);
       const Moments not_counted = profiles[part.profile].up_to(std::min(hidden, shared));
       total.area += m.area - not_counted.area;

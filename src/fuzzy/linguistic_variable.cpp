@@ -19,20 +19,20 @@ void validate(const LinguisticVariable& variable) {
   if (!std::isfinite(variable.min) || !std::isfinite(variable.max) || !(variable.min < variable.max)) {
     std::ostringstream problem;
     problem << "[" << variable.min << ", " << variable.max << "] is not a finite interval";
-    throw ProofError(variable.name + ".universe", problem.str());
+    throw ValidationError(variable.name + ".universe", problem.str());
   }
   const std::string terms = variable.name + ".terms";
   if (variable.terms.empty() || variable.terms.size() > kMaxTerms)
-    throw ProofError(terms, "has " + std::to_string(variable.terms.size()) + " terms; 1 to " +
-                                std::to_string(kMaxTerms) + " are possible");
+    throw ValidationError(terms, "has " + std::to_string(variable.terms.size()) + " terms; 1 to " +
+                                     std::to_string(kMaxTerms) + " are possible");
   std::set<std::string> labels;
   for (const Term& term : variable.terms) {
-    if (term.label.empty()) throw ProofError(terms, "has a term without a label");
-    if (!labels.insert(term.label).second) throw ProofError(terms + "." + term.label, "is there twice");
+    if (term.label.empty()) throw ValidationError(terms, "has a term without a label");
+    if (!labels.insert(term.label).second) throw ValidationError(terms + "." + term.label, "is there twice");
     try {
       validate(term.set);
     } catch (const std::invalid_argument& problem) {
-      throw ProofError(terms + "." + term.label, problem.what());
+      throw ValidationError(terms + "." + term.label, problem.what());
     }
   }
 }

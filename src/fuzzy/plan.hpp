@@ -11,14 +11,14 @@
 
 namespace pilotfish::fuzzy {
 
-/// What prove() prepares of a controller, so that inference only looks up and adds.
+/// What validate() prepares of a controller, so that inference only looks up and adds.
 struct Plan {
-  /// controller: proved up to here, all but its output.
+  /// controller: validated up to here, all but its output.
   explicit Plan(const Controller& controller);
 
   Fuzzifier error, error_change;
   std::array<std::uint32_t, kPaperRules> consequents;
-  /// Not there if the output's terms are bells or out of order: then the envelope is searched for its knees.
+  /// Not there if the output's terms are Gaussians or out of order: then the envelope is searched for its knees.
   std::optional<OrderedUnion> output;
   /// The sums that occur: [0] over all terms of U, then one for each set of terms that fire together somewhere.
   std::vector<OrderedUnion::Sum> sums;

@@ -21,7 +21,7 @@ double meet_straight(double x, double w, double foot, double core) noexcept {
 struct Degree {
   double value, slope;
 };
-Degree bell(const Gaussian& set, double t) noexcept {
+Degree gaussian(const Gaussian& set, double t) noexcept {
   const double value = membership(set, t);
   return {value, -(t - set.mean) / (set.sigma * set.sigma) * value};
 }
@@ -55,10 +55,10 @@ double rising_side(const Trapezoid& s, double x, double w, WidthShape shape) noe
   const Gaussian input{x, w};
   if (!(s.a < s.b)) return membership(input, s.b);
   return meet(
-      std::max(x, s.a), s.b, [&](double t) { return bell(input, t); }, [&](double t) { return line(s.a, s.b, t); });
+      std::max(x, s.a), s.b, [&](double t) { return gaussian(input, t); }, [&](double t) { return line(s.a, s.b, t); });
 }
 
-// Two bells meet between their means where both are as many sigmas away: after (mean - x)/(sigma + w).
+// Two Gaussians meet between their means where both are as many sigmas away: after (mean - x)/(sigma + w).
 double rising_side(const Gaussian& s, double x, double w, WidthShape shape) noexcept {
   if (shape == WidthShape::gaussian) return membership(Gaussian{s.mean, s.sigma + w}, x);
   return meet(
@@ -66,7 +66,7 @@ double rising_side(const Gaussian& s, double x, double w, WidthShape shape) noex
       [&](double t) {
         return Degree{1.0 - (t - x) / w, -1.0 / w};
       },
-      [&](double t) { return bell(s, t); });
+      [&](double t) { return gaussian(s, t); });
 }
 
 double of(const Gaussian& s, const LinguisticVariable& variable, double x, double w, WidthShape shape) noexcept {

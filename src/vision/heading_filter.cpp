@@ -11,9 +11,9 @@ namespace {
 constexpr double kUnknownRate_radps = 0.5;    ///< standard deviation of a new hypothesis' rate
 constexpr double kNewcomerLogWeight = -14.0;  ///< a hypothesis that came from nowhere starts with about a millionth
 constexpr double kDroppedLogWeight = -20.0;   ///< below the best
-/// A systematic error (calibration, print) speaks for the same wrong solution in every frame, which noise does not. So
-/// evidence counts half.
-constexpr double kTrustInEvidence = 0.5;
+/// A systematic error (calibration, template) speaks for the same wrong solution in every frame, which noise does not.
+/// So evidence counts half.
+constexpr double kEvidenceWeight = 0.5;
 
 }  // namespace
 
@@ -96,7 +96,7 @@ FilteredHeading HeadingFilter::update(const BoundedVector<HeadingCandidate, 2>& 
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const HeadingCandidate& candidate = candidates[i];
     const double evidence =
-        -0.5 * kTrustInEvidence * (candidate.squared_error - candidates.front().squared_error) / scale;
+        -0.5 * kEvidenceWeight * (candidate.squared_error - candidates.front().squared_error) / scale;
     for (const Hypothesis& parent : hypotheses_) {
       offspring.push_back(updated(parent, candidate, i));
       offspring[offspring.size() - 1].log_weight += evidence;

@@ -70,8 +70,8 @@ RejectionCounters larger_of_each(const RejectionCounters& a, const RejectionCoun
 }
 
 /// Whether that id occurs once. `tags` are sorted by id.
-bool is_unique(const std::vector<TagSighting>& tags, int id) {
-  return std::count_if(tags.begin(), tags.end(), [id](const TagSighting& tag) { return tag.id == id; }) == 1;
+bool is_unique(const std::vector<TagDetection>& tags, int id) {
+  return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; }) == 1;
 }
 
 void require_ids_of_family(const LeaderBody& body, int family_size) {
@@ -107,7 +107,7 @@ void note(TagRefusal refusal, RejectionCounters& rejected, Reason& reason) {
     case TagRefusal::too_blurred: ++rejected.too_blurred, reason = Reason::tag_too_blurred; return;
     case TagRefusal::hamming: ++rejected.hamming, reason = Reason::tag_refused; return;
     case TagRefusal::margin: ++rejected.margin, reason = Reason::tag_refused; return;
-    case TagRefusal::misfit: ++rejected.misfit, reason = Reason::tag_refused; return;
+    case TagRefusal::residual: ++rejected.residual, reason = Reason::tag_refused; return;
   }
 }
 
@@ -127,7 +127,7 @@ const std::array<RejectionCounters::Named, 13>& RejectionCounters::all() noexcep
   static const std::array<Named, 13> table = {{{"frames_invalid", &C::frames_invalid},
                                                {"tag_hamming", &C::hamming},
                                                {"tag_margin", &C::margin},
-                                               {"tag_misfit", &C::misfit},
+                                               {"tag_residual", &C::residual},
                                                {"tag_foreign_id", &C::foreign_id},
                                                {"tag_duplicate_id", &C::duplicate_id},
                                                {"tag_outside_frame", &C::outside_frame},
@@ -172,13 +172,13 @@ void LeaderObserver::forget() noexcept {
   heading_.forget();
 }
 
-Sight LeaderObserver::observe(const Frame& frame) noexcept { return try_to_look(frame, nullptr); }
+ObservationResult LeaderObserver::observe(const Frame& frame) noexcept { return try_to_look(frame, nullptr); }
 
-Sight LeaderObserver::observe_detected(const Frame& frame, const Detections& found) noexcept {
+ObservationResult LeaderObserver::observe_detected(const Frame& frame, const Detections& found) noexcept {
   return try_to_look(frame, &found);
 }
 
-Sight LeaderObserver::try_to_look(const Frame& frame, const Detections* found) noexcept {
+ObservationResult LeaderObserver::try_to_look(const Frame& frame, const Detections* found) noexcept {
   try {
     return look(frame, found);
   } catch (...) {  // only memory can run out here
@@ -187,7 +187,7 @@ Sight LeaderObserver::try_to_look(const Frame& frame, const Detections* found) n
   }
 }
 
-Sight LeaderObserver::look(const Frame& frame, const Detections* found) {
+ObservationResult LeaderObserver::look(const Frame& frame, const Detections* found) {
   const ImageView& image = frame.image;
   const Reason defect = check(image);
   const bool calibrated = image.width == camera_.width && image.height == camera_.height;
@@ -201,7 +201,7 @@ Sight LeaderObserver::look(const Frame& frame, const Detections* found) {
   Attempt followed;
   if (predicted) {
     followed = follow_tags(image, *predicted);
-    Sight sight = conclude(frame, followed, FoundBy::track, predicted);
+    ObservationResult sight = conclude(frame, followed, FoundBy::track, predicted);
     if (sight.observation) return sight;
     const double cell_side = patterns_.front().cell_side;
     if (const std::optional<SearchRegion> region =
@@ -235,9 +235,9 @@ LeaderObserver::Attempt LeaderObserver::follow_tags(const ImageView& image,
     // Only tags that are in front of the camera and turned towards it can be seen.
     if (!(middle_c.z() > 0.0) || cMt.linear().col(2).dot(middle_c.normalized()) < kMinFacing) continue;
     const double cell_px = 0.5 * patterns_[i].cell_side * body_.tags[i].size_m * camera_.fx / middle_c.z();
-    attempt.add(look_at_tag(image, camera_, patterns_[i], homography_from_pose(cMt, body_.tags[i].size_m),
-                            track_.appearance(), std::min(kSearch_px, kSearch_cells * cell_px), bit_gates(),
-                            config_.gates));
+    attempt.add(track_tag(image, camera_, patterns_[i], homography_from_pose(cMt, body_.tags[i].size_m),
+                          track_.appearance(), std::min(kSearch_px, kSearch_cells * cell_px), bit_gates(),
+                          config_.gates));
   }
   return attempt;
 }
@@ -262,7 +262,7 @@ LeaderObserver::Attempt LeaderObserver::verify_tags(const ImageView& image, cons
   for (int id : detections.refused_ids)
     if (body_.find(id) != nullptr) attempt.reason = Reason::tag_refused;
 
-  for (const TagSighting& tag : detections.tags) {
+  for (const TagDetection& tag : detections.tags) {
     const auto on_body = std::find_if(patterns_.begin(), patterns_.end(),
                                       [&](const TagPattern& pattern) { return pattern.id == tag.id; });
     if (on_body == patterns_.end()) {
@@ -274,14 +274,14 @@ LeaderObserver::Attempt LeaderObserver::verify_tags(const ImageView& image, cons
     } else {
       std::array<Eigen::Vector2d, 4> corners_px;
       for (int i = 0; i < 4; ++i) corners_px[i] = tag.corners_px[i] + origin_px;
-      attempt.add(look_at_tag(image, camera_, *on_body, homography_from_corners(camera_, corners_px), {}, 0.0,
-                              bit_gates(), config_.gates));
+      attempt.add(track_tag(image, camera_, *on_body, homography_from_corners(camera_, corners_px), {}, 0.0,
+                            bit_gates(), config_.gates));
     }
   }
   return attempt;
 }
 
-void LeaderObserver::Attempt::add(const TagLook& look) {
+void LeaderObserver::Attempt::add(const TagResult& look) {
   if (look.measurement)
     tags.push_back(*look.measurement);
   else
@@ -292,9 +292,9 @@ BitGates LeaderObserver::bit_gates() const {
   return {config_.detector.max_hamming, config_.detector.min_decision_margin};
 }
 
-Sight LeaderObserver::conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
-                               const std::optional<Eigen::Isometry3d>& predicted_cMo) {
-  Sight sight{std::nullopt, attempt.reason};
+ObservationResult LeaderObserver::conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
+                                           const std::optional<Eigen::Isometry3d>& predicted_cMo) {
+  ObservationResult sight{std::nullopt, attempt.reason};
   if (!attempt.tags.empty()) {
     sight = measure(frame, attempt.tags, found_by, predicted_cMo);
     if (!sight.observation) note(sight.reason, attempt.rejected);
@@ -305,11 +305,11 @@ Sight LeaderObserver::conclude(const Frame& frame, Attempt& attempt, FoundBy fou
   return sight;
 }
 
-Sight LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, FoundBy found_by,
-                              const std::optional<Eigen::Isometry3d>& predicted_cMo) {
+ObservationResult LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, FoundBy found_by,
+                                          const std::optional<Eigen::Isometry3d>& predicted_cMo) {
   const std::optional<LeaderPose> pose = estimate_leader_pose(camera_, body_, tags, config_.pose, predicted_cMo);
   if (!pose) return {std::nullopt, Reason::pose_refused};
-  const Reason defect = judge(pose->best, body_, tags, config_.pose);
+  const Reason defect = check_pose(pose->best, body_, tags, config_.pose);
   if (defect != Reason::none) return {std::nullopt, defect};
 
   BoundedVector<PoseSolution, 2> solutions;
@@ -319,7 +319,7 @@ Sight LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, F
     candidates.push_back({relative_measurement(bMc_, solution), solution.squared_error});
   };
   offer(pose->best);
-  if (pose->other && judge(*pose->other, body_, tags, config_.pose) == Reason::none) offer(*pose->other);
+  if (pose->other && check_pose(*pose->other, body_, tags, config_.pose) == Reason::none) offer(*pose->other);
   for (const HeadingCandidate& candidate : candidates)
     if (!is_finite(candidate.measurement)) return {std::nullopt, Reason::pose_refused};
   if (!track_.is_plausible(candidates.front().measurement.pose, frame.utime))
@@ -331,7 +331,7 @@ Sight LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, F
   const int degrees_of_freedom = 8 * static_cast<int>(tags.size()) - 6;
   const FilteredHeading filtered = heading.update(candidates, degrees_of_freedom, dt_s);
   if (!is_finite(filtered.fused)) return {std::nullopt, Reason::pose_refused};
-  const PoseSolution& believed = solutions[filtered.candidate];
+  const PoseSolution& accepted = solutions[filtered.candidate];
 
   Observation observation;
   observation.utime = frame.utime;
@@ -340,11 +340,11 @@ Sight LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, F
   observation.heading_rad = filtered.fused.pose.heading_rad;
   observation.covariance = filtered.fused.covariance;
   observation.measured = candidates[filtered.candidate].measurement;
-  observation.heading_doubt = filtered.doubt;
-  observation.cMo = believed.cMo;
+  observation.heading_ambiguity = filtered.ambiguity;
+  observation.cMo = accepted.cMo;
   if (solutions.size() == 2) observation.other_cMo = solutions[1 - filtered.candidate].cMo;
   observation.ambiguity_ratio = pose->ambiguity_ratio;
-  observation.reprojection_error_px = believed.reprojection_error_px;
+  observation.reprojection_error_px = accepted.reprojection_error_px;
   observation.found_by = found_by;
   observation.min_decision_margin = tags.front().tag.decision_margin;
   for (const TagMeasurement& measurement : tags) {
@@ -352,7 +352,7 @@ Sight LeaderObserver::measure(const Frame& frame, const TagMeasurements& tags, F
     observation.min_decision_margin = std::min(observation.min_decision_margin, measurement.tag.decision_margin);
   }
   heading_ = heading;
-  track_.update(believed.cMo, observation.measured.pose, tags.front().appearance, frame.utime);
+  track_.update(accepted.cMo, observation.measured.pose, tags.front().appearance, frame.utime);
   return {observation, Reason::none};
 }
 

@@ -92,7 +92,7 @@ std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const 
                                                const std::optional<Eigen::Isometry3d>& guess) noexcept {
   SquareSightings squares;
   const BodyTag* largest = nullptr;
-  const TagSighting* largest_seen = nullptr;
+  const TagDetection* largest_seen = nullptr;
   for (const TagMeasurement& measurement : tags) {
     const BodyTag* on_body = body.find(measurement.tag.id);
     if (on_body == nullptr) return std::nullopt;
@@ -128,8 +128,8 @@ std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const 
   return pose;
 }
 
-Reason judge(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
-             const LeaderPoseConfig& config) noexcept {
+Reason check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
+                  const LeaderPoseConfig& config) noexcept {
   for (const TagMeasurement& measurement : tags) {
     const BodyTag* on_body = body.find(measurement.tag.id);
     if (on_body == nullptr) return Reason::pose_refused;

@@ -24,7 +24,7 @@ inline Eigen::Isometry3d pose_from_homography(const Eigen::Matrix3d& nHt, double
 
 /// Where the other solution of a plane's pose lies, nearly: with its normal mirrored about the line of sight to its
 /// middle (Schweighofer and Pinz, "Robust pose estimation from a planar target", 2006). Half a turn about the line of
-/// sight does that to the normal, and half a turn about the normal puts the print upright again.
+/// sight does that to the normal, and half a turn about the normal puts the template upright again.
 inline Eigen::Isometry3d mirrored_about_line_of_sight(const Eigen::Isometry3d& cMt) {
   const double pi = std::acos(-1.0);
   Eigen::Isometry3d mirrored = cMt;

@@ -32,7 +32,7 @@ double decoding_table_bytes(const TagFamily& family, int corrected_bits) {
   return 3.0 * 16.0 * family.size() * patterns;
 }
 
-/// Tags with more errors than are believed should still be recognised, so that they can be counted as
+/// Tags with more errors than are accepted should still be recognised, so that they can be counted as
 /// refused; but for the families with tens of thousands of codes the table for two bits takes gigabytes.
 int bits_to_recognise(const TagFamily& family, int max_hamming) {
   if (decoding_table_bytes(family, max_hamming) > 512e6)
@@ -44,8 +44,8 @@ int bits_to_recognise(const TagFamily& family, int max_hamming) {
   return bits;
 }
 
-TagSighting to_sighting(const apriltag_detection_t& detection) {
-  TagSighting tag;
+TagDetection to_tag_detection(const apriltag_detection_t& detection) {
+  TagDetection tag;
   tag.id = detection.id;
   tag.hamming = detection.hamming;
   tag.decision_margin = detection.decision_margin;
@@ -55,7 +55,7 @@ TagSighting to_sighting(const apriltag_detection_t& detection) {
   return tag;
 }
 
-bool is_finite(const TagSighting& tag) {
+bool is_finite(const TagDetection& tag) {
   return std::isfinite(tag.decision_margin) && std::all_of(tag.corners_px.begin(), tag.corners_px.end(),
                                                            [](const auto& corner) { return corner.allFinite(); });
 }
@@ -66,7 +66,7 @@ const std::vector<Parameter<TagDetectorConfig>>& TagDetectorConfig::parameters()
   static const std::vector<Parameter<TagDetectorConfig>> table = {
       {"decimation", &TagDetectorConfig::decimation, 0.0, 4.0,
        "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; 0: as acquisition_range_m allows"},
-      {"max_hamming", &TagDetectorConfig::max_hamming, 0, 2, "corrected bits that are still believed"},
+      {"max_hamming", &TagDetectorConfig::max_hamming, 0, 2, "corrected bits that are still accepted"},
       {"min_decision_margin", &TagDetectorConfig::min_decision_margin, 0.0, 255.0,
        "mean contrast of a tag's bits, in gray levels, below which it is refused"},
       {"blur_sigma_px", &TagDetectorConfig::blur_sigma_px, 0.0, kMaxBlurSigmaPx,
@@ -148,7 +148,7 @@ Detections TagDetector::detect_checked(const ImageView& image, double decimation
   for (int i = 0; i < zarray_size(found.get()); ++i) {
     apriltag_detection_t* detection = nullptr;
     zarray_get(found.get(), i, &detection);
-    TagSighting tag = to_sighting(*detection);
+    TagDetection tag = to_tag_detection(*detection);
     if (!is_finite(tag)) continue;  // a degenerate quad
     if (tag.hamming > config_.max_hamming) {
       ++result.refused_hamming;
@@ -161,11 +161,11 @@ Detections TagDetector::detect_checked(const ImageView& image, double decimation
     }
   }
   // libapriltag's own order is by id only, with what its sort makes of equal ones.
-  const auto key = [](const TagSighting& tag) {
+  const auto key = [](const TagDetection& tag) {
     return std::make_tuple(tag.id, -tag.decision_margin, tag.corners_px[0].x(), tag.corners_px[0].y());
   };
   std::sort(result.tags.begin(), result.tags.end(),
-            [&key](const TagSighting& a, const TagSighting& b) { return key(a) < key(b); });
+            [&key](const TagDetection& a, const TagDetection& b) { return key(a) < key(b); });
   std::sort(result.refused_ids.begin(), result.refused_ids.end());
   return result;
 }

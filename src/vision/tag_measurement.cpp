@@ -36,13 +36,13 @@ const std::vector<Parameter<TagGates>>& TagGates::parameters() {
       {"min_cell_px", &TagGates::min_cell_px, 0.5, 50.0, "shorter side of a tag's cell below which it is refused"},
       {"max_blur_cells", &TagGates::max_blur_cells, 0.1, 2.0,
        "standard deviation of the blur, in cells of the tag, above which it is refused"},
-      {"max_misfit", &TagGates::max_misfit, 0.01, 1.0,
-       "RMS difference of picture and print, as a part of the contrast, above which a tag is refused"},
+      {"max_normalised_residual", &TagGates::max_normalised_residual, 0.01, 1.0,
+       "RMS difference of picture and template, as a part of the contrast, above which a tag is refused"},
   };
   return table;
 }
 
-TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+TagResult track_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                     const Eigen::Matrix3d& nHt, const Appearance& expected, double search_px, const BitGates& bits,
                     const TagGates& gates) noexcept {
   const std::array<Eigen::Vector2d, 4> guess_px = tag_corners_px(camera, TagWarp(camera, nHt));
@@ -73,8 +73,9 @@ TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const Tag
   if (blur_px > gates.max_blur_cells * fit->cell_px) return {std::nullopt, TagRefusal::too_blurred};
   if (other) return {std::nullopt, TagRefusal::hamming};
   if (reading.decision_margin < bits.min_decision_margin) return {std::nullopt, TagRefusal::margin};
-  if (fit->misfit > gates.max_misfit * fit->appearance.contrast() || fit->outlier_share > kMaxOutliers)
-    return {std::nullopt, TagRefusal::misfit};
+  if (fit->residual_rms > gates.max_normalised_residual * fit->appearance.contrast() ||
+      fit->outlier_share > kMaxOutliers)
+    return {std::nullopt, TagRefusal::residual};
 
   TagMeasurement measurement;
   measurement.tag = {pattern.id, reading.wrong_bits, reading.decision_margin, fit->corners_px};

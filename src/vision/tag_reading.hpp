@@ -7,7 +7,7 @@
 
 namespace pilotfish::vision {
 
-/// What the cells of a print say when they are read one by one.
+/// What the cells of a template say when they are read one by one.
 struct TagReading {
   int wrong_bits = 0;         ///< of the code: they look more like the other colour
   int wrong_frame_cells = 0;  ///< of the rings that all tags of the family share

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "blurred_print.hpp"
-#include "print_samples.hpp"
+#include "blurred_template.hpp"
 #include "tag_warp.hpp"
+#include "template_samples.hpp"
 
-// The picture of a print is known up to where it lies (eight parameters h of a homography), how bright black and white
-// are (their level and slope over the tag) and how far it is blurred (along rows and columns: a turning camera smears
-// sideways). At a pixel p that shows the point s of the tag, with T the blurred print,
+// The picture of a template is known up to where it lies (eight parameters h of a homography), how bright black and
+// white are (their level and slope over the tag) and how far it is blurred (along rows and columns: a turning camera
+// smears sideways). At a pixel p that shows the point s of the tag, with T the blurred template,
 //
 //   I(p) = B(s) + C(s) T(s; v),    B(s) = B + Bx x + By y,    C(s) = C + Cx x + Cy y,
 //   v = diagonal of G diag(bu, bv) G^T,   G = ds/dp  (the blur, carried to the tag)
@@ -59,7 +59,7 @@ struct Fit {
   }
 };
 
-/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are believed.
+/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are accepted.
 struct NormalEquations {
   Normal information = Normal::Zero();
   Parameters gradient = Parameters::Zero();
@@ -69,8 +69,8 @@ struct NormalEquations {
 
 /// J and r, a row a sample. Single precision: the sums only steer, and what they steer to is where J^T r vanishes.
 struct Rows {
-  Eigen::Matrix<float, PrintSamples::kCapacity, kParameters> J;
-  Eigen::Matrix<float, PrintSamples::kCapacity, 1> r;
+  Eigen::Matrix<float, TemplateSamples::kCapacity, kParameters> J;
+  Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r;
 };
 
 /// Side of a cell in pixels, along the axis of the tag that looks shorter.
@@ -99,9 +99,9 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
 }
 
 /// One pass over the samples: where each lies on the tag now, what it should look like there, how that would change.
-/// `blur_u`, `blur_v` [px^2] are what the print is blurred with, be it the picture's own blur or more.
+/// `blur_u`, `blur_v` [px^2] are what the template is blurred with, be it the picture's own blur or more.
 template <int R>
-NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const PrintSamples& samples, double blur_u,
+NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const TemplateSamples& samples, double blur_u,
                           double blur_v, Rows& rows) {
   const Eigen::Matrix3f H = fit.warp.matrix().cast<float>();
   const Eigen::Matrix3f inverse = fit.warp.matrix().inverse().cast<float>();
@@ -122,11 +122,11 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Print
     const Lanes x_u = (inverse(0, 0) - x * inverse(2, 0)) * w, x_v = (inverse(0, 1) - x * inverse(2, 1)) * w;
     const Lanes y_u = (inverse(1, 0) - y * inverse(2, 0)) * w, y_v = (inverse(1, 1) - y * inverse(2, 1)) * w;
     const Lanes xu2 = x_u * x_u, xv2 = x_v * x_v, yu2 = y_u * y_u, yv2 = y_v * y_v;
-    const Whiteness T = blurred_print<R>(samples, first, x, y, xu2 * bu + xv2 * bv, yu2 * bu + yv2 * bv, cell_side);
+    const Whiteness T = blurred_template<R>(samples, first, x, y, xu2 * bu + xv2 * bv, yu2 * bu + yv2 * bv, cell_side);
 
     const Lanes C = contrast + slope[2] * x + slope[3] * y;
     const Lanes error = samples.gray.segment<8>(first) - (black + slope[0] * x + slope[1] * y + C * T.value);
-    // One for a sample that is believed, else zero; the padding of the last block is none.
+    // One for a sample that is accepted, else zero; the padding of the last block is none.
     const Lanes used =
         ((error.abs() <= limit) && (lane < static_cast<float>(samples.count - first))).select(Lanes::Ones(), 0.0F);
     const Lanes uC = used * C, inverse_D = (H(2, 0) * x + H(2, 1) * y + 1.0F).inverse();
@@ -233,7 +233,7 @@ struct Task {
   const TagPattern& pattern;
   const Appearance& expected;
   double cell_px;
-  PrintSamples samples;
+  TemplateSamples samples;
   Rows rows;
   NormalEquations sum;
 };
@@ -265,7 +265,7 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
   return largest_move(before, fit.warp);
 }
 
-/// From far away: a print blurred by a third of a cell pulls from a third of a cell away. False if it does not.
+/// From far away: a template blurred by a third of a cell pulls from a third of a cell away. False if it does not.
 bool pull_in(Task& task, Fit& fit) {
   const double wide_px = 0.3 * task.cell_px;
   const double extra_blur = wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2);
@@ -342,7 +342,7 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   found.covariance_px2.diagonal().array() += shape_px * shape_px;
   found.appearance = fit.look;
   found.cell_px = smallest_cell_px(fit.warp, pattern);
-  found.misfit = fit.noise;
+  found.residual_rms = fit.noise;
   found.outlier_share = fit.outlier_share;
   found.pixels = task.sum.inliers;
   if (!found.covariance_px2.allFinite() || !found.nHt.allFinite()) return std::nullopt;

@@ -71,7 +71,7 @@ void require_positive(double tag_size_m) {
 
 /// From corners alone, all known equally well; nothing if none fits.
 std::optional<Eigen::Isometry3d> pose_from_corners(const CameraModel& camera, const LeaderBody& body,
-                                                   const TagSighting& tag) {
+                                                   const TagDetection& tag) {
   vision::TagMeasurement measurement;
   measurement.tag = tag;
   measurement.covariance_px2.setIdentity();
@@ -79,11 +79,11 @@ std::optional<Eigen::Isometry3d> pose_from_corners(const CameraModel& camera, co
   measurements.push_back(measurement);
   const vision::LeaderPoseConfig config;
   const auto pose = estimate_leader_pose(camera, body, measurements, config);
-  if (!pose || judge(pose->best, body, measurements, config) != Reason::none) return std::nullopt;
+  if (!pose || check_pose(pose->best, body, measurements, config) != Reason::none) return std::nullopt;
   return pose->best.cMo * body_from_tag(body.tags.front());
 }
 
-std::vector<vpImagePoint> points_of(const TagSighting& tag) {
+std::vector<vpImagePoint> points_of(const TagDetection& tag) {
   std::vector<vpImagePoint> points;
   for (const Eigen::Vector2d& corner : tag.corners_px) points.emplace_back(corner.y(), corner.x());
   return points;
@@ -134,7 +134,7 @@ class TagTracker::Impl {
   int width() const { return width_; }
   int height() const { return height_; }
   std::size_t count() const { return seen_.size(); }
-  const TagSighting& tag(std::size_t i) const { return seen_.at(i).tag; }
+  const TagDetection& tag(std::size_t i) const { return seen_.at(i).tag; }
   std::int64_t searches() const { return searches_; }
 
  private:
@@ -144,7 +144,7 @@ class TagTracker::Impl {
     std::optional<Observation> now;  ///< in this picture
   };
   struct Seen {
-    TagSighting tag;
+    TagDetection tag;
     std::optional<Eigen::Isometry3d> cMt;  ///< at kNominalSize_m, for camera_; nothing: from the corners
   };
 
@@ -209,7 +209,7 @@ void TagTracker::Impl::search(const Frame& frame) {
   const auto is_unique = [&](int id) {
     return std::count_if(found.tags.begin(), found.tags.end(), [id](const auto& tag) { return tag.id == id; }) == 1;
   };
-  for (const TagSighting& tag : found.tags) {
+  for (const TagDetection& tag : found.tags) {
     if (!is_unique(tag.id)) continue;
     if (!camera_) {
       seen_.push_back({tag, std::nullopt});

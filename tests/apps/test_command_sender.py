@@ -169,7 +169,7 @@ def test_a_stop_is_a_zero_at_once_and_until_the_coordinator_has_been_told_of_it_
     resumed_at = next(k for k, one in enumerate(sent) if one.utime == 58)
     assert all(one.linear_mps == 0.0 for one in sent[stopped_at:resumed_at])
     assert {one.status for one in sent[stopped_at : resumed_at - 1]} == {Status.stopped}
-    assert said(sent[stopped_at]) == (0.0, Status.stopped, Reason.told_to_stop)
+    assert said(sent[stopped_at]) == (0.0, Status.stopped, Reason.stop_requested)
     assert said(sent[resumed_at]) == (0.8, Status.tracking, Reason.none)
     assert only(happened, "stop") == [["1"]]
     assert only(happened, "counts")[0][4] == "1"
@@ -177,7 +177,7 @@ def test_a_stop_is_a_zero_at_once_and_until_the_coordinator_has_been_told_of_it_
 
 def test_two_stops_are_over_only_when_the_coordinator_knows_of_both():
     lines = [SENDER, answer(55, 0.5), "stop", "stop", told_core(False, True, 1), answer(56, 0.6)]
-    assert said(next(one for one in sent_by(*lines) if one.utime == 56)) == (0.0, Status.stopped, Reason.told_to_stop)
+    assert said(next(one for one in sent_by(*lines) if one.utime == 56)) == (0.0, Status.stopped, Reason.stop_requested)
     lines += [told_core(False, True, 2), told_core(False, True, 1), answer(57, 0.7)]
     assert said(next(one for one in sent_by(*lines) if one.utime == 57)) == (0.7, Status.tracking, Reason.none)
 
@@ -227,14 +227,14 @@ def test_the_same_frame_asked_about_again_gets_the_same_answer_while_it_holds():
     lost = after_answer(SENDER, answer(55, 0.5, 30_000), "wait 3", "again 55")[-1]
     assert said(lost) == (0.0, Status.lost, Reason.none)
     stopped = after_answer(SENDER, answer(55, 0.5), "stop", "again 55")[-1]
-    assert said(stopped) == (0.0, Status.stopped, Reason.told_to_stop)
+    assert said(stopped) == (0.0, Status.stopped, Reason.stop_requested)
     resting = after_answer(SENDER, answer(55, 0.0, status=Status.searching, reason=Reason.no_tag_found), "again 55")
     assert said(resting[-1]) == (0.0, Status.searching, Reason.no_tag_found)
 
 
 @undisturbed
 def test_the_end_is_three_zeros_and_nothing_after_them():
-    for reason, status in [(Reason.told_to_stop, Status.stopped), (Reason.internal_error, Status.invalid_input)]:
+    for reason, status in [(Reason.stop_requested, Status.stopped), (Reason.internal_error, Status.invalid_input)]:
         happened = play(
             SENDER,
             answer(55, 0.5),
@@ -274,7 +274,7 @@ def test_what_left_and_why_is_recorded_with_what_the_core_held():
     answered, stopped, beat = recorded[at : at + 3]
     assert (answered.holding, answered.missing) == (True, Reason.none)
     assert 0 < answered.asked_later_us <= AHEAD_US  # what will hold when the wheels hear it
-    assert (stopped.holding, stopped.run, stopped.missing) == (True, True, Reason.told_to_stop)  # not told yet
+    assert (stopped.holding, stopped.run, stopped.missing) == (True, True, Reason.stop_requested)  # not told yet
     assert (beat.holding, beat.run, beat.missing) == (False, False, Reason.no_frame)
     assert 0 < beat.asked_later_us <= AHEAD_US
     assert any(r.asked_later_us > 0 for r in recorded)

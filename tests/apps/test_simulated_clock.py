@@ -1,4 +1,4 @@
-"""Time for frames that were not taken now: it passes as the stamps say, where they can be believed."""
+"""Time for frames that were not taken now: it passes as the stamps say, where they can be accepted."""
 
 from coordinator_parts import only, play
 

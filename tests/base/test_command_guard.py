@@ -46,7 +46,7 @@ class Wheels:
         return self.base.setpoint(session=session, counter=counter, run=run, now_us=self.now_us)
 
     def moves(self):
-        return self.base.step(now_us=self.now_us).told != Twist()
+        return self.base.step(now_us=self.now_us).command != Twist()
 
 
 @pytest.fixture
@@ -75,9 +75,9 @@ def test_zeros_come_by_themselves_exactly_a_life_after_the_last_good_command(whe
     arrived_us = wheels.now_us
     assert wheels.base.deadline_us == arrived_us + LIFE_US
     for us in (arrived_us + 40 * MS, arrived_us + 80 * MS, arrived_us + LIFE_US - 1):
-        assert wheels.base.step(now_us=us).told != Twist()
+        assert wheels.base.step(now_us=us).command != Twist()
     out = wheels.base.step(now_us=arrived_us + LIFE_US)
-    assert (out.told, out.state) == (Twist(), BaseState.waiting)
+    assert (out.command, out.state) == (Twist(), BaseState.waiting)
     assert wheels.base.deadline_us is None
 
 
@@ -115,7 +115,7 @@ def test_a_second_sender_never_drives_and_does_not_disturb_the_first(wheels):
         assert wheels.command(1, k) == CommandVerdict.obeyed
         assert wheels.command(2, k, Twist(-0.5, 0.0)) == CommandVerdict.foreign
         out = wheels.pass_ms(20)
-        assert out.told.linear_mps > 0 and out.obeys == 1
+        assert out.command.linear_mps > 0 and out.obeys == 1
     assert wheels.base.rejected == {"command_foreign": 199}
 
 
@@ -148,7 +148,7 @@ def test_simulated_commands_move_simulated_wheels_only():
     assert Wheels(simulated_allowed=True).command(1, 1, simulated=True) == CommandVerdict.obeyed
 
 
-def test_a_pause_of_this_process_makes_all_that_has_queued_up_unbelievable(wheels):
+def test_a_pause_of_this_process_makes_all_that_has_queued_up_unplausible(wheels):
     """SIGSTOP for two seconds: the sender lives, its commands lie in the queue, and nobody knows since when."""
     driven(wheels)
     wheels.now_us += 2_000_000
@@ -192,7 +192,7 @@ def test_a_stop_from_anyone_is_immediate_and_lasts_until_the_obeyed_session_is_r
 
 def test_a_resume_can_be_used_once(wheels):
     driven(wheels)
-    assert wheels.setpoint(session=1, counter=5, run=True) == LatchVerdict.noted  # while running
+    assert wheels.setpoint(session=1, counter=5, run=True) == LatchVerdict.already_running  # while running
     wheels.setpoint(run=False)
     for counter in (5, 4, -1):
         assert wheels.setpoint(session=1, counter=counter, run=True) == LatchVerdict.replayed
@@ -231,7 +231,7 @@ def test_a_driver_that_cannot_be_reached_is_told_zeros(wheels):
     wheels.base.driver_works(False)
     assert wheels.command(1, last + 1) == CommandVerdict.obeyed
     out = wheels.pass_ms(10)
-    assert (out.state, out.told) == (BaseState.fault, Twist())
+    assert (out.state, out.command) == (BaseState.fault, Twist())
 
 
 def test_it_can_begin_stopped():
@@ -281,6 +281,6 @@ def test_whatever_happens_the_wheels_move_only_by_a_fresh_command_that_was_obeye
             wheels.now_us += max(number, 0) * MS
         out = wheels.base.step(now_us=wheels.now_us)
         fresh = obeyed_us is not None and wheels.now_us - obeyed_us < LIFE_US
-        if out.told != Twist():
+        if out.command != Twist():
             assert fresh and works and not stopped
         assert (out.state == BaseState.driving) == (fresh and works and not stopped)

@@ -88,7 +88,7 @@ def test_counters_and_clock_may_wrap_around(start, left, right, passed_ms):
 
 
 def test_a_controller_that_begins_anew_is_no_motion():
-    """40 rad/s for 20 ms are 127 ticks; twice that and 4 more is the most that is believed."""
+    """40 rad/s for 20 ms are 127 ticks; twice that and 4 more is the most that is accepted."""
     wheels = odometry(max_wheel_radps=40.0)
     wheels.update(time_ms=1000, left_ticks=100_000, right_ticks=100_000)
     assert wheels.update(time_ms=1020, left_ticks=0, right_ticks=0) is None

@@ -23,8 +23,8 @@ any_number = st.floats(allow_nan=True, allow_infinity=True)
 told_numbers = st.tuples(st.floats(-0.2, 0.7), st.floats(-2.0, 2.0))
 
 
-def limited(wanted, told=(0.0, 0.0), dt_s=0.1, limits=LIMITS):
-    out = base.limit(limits, WHEELS, wanted=Twist(*wanted), told=Twist(*told), dt_s=dt_s)
+def limited(wanted, last=(0.0, 0.0), dt_s=0.1, limits=LIMITS):
+    out = base.limit(limits, WHEELS, wanted=Twist(*wanted), last=Twist(*last), dt_s=dt_s)
     return out.linear_mps, out.angular_radps
 
 
@@ -65,16 +65,16 @@ def test_a_zero_is_a_zero_at_once(told):
 
 def test_while_time_goes_back_or_stands_still_nothing_changes_but_to_zero():
     for dt_s in (0.0, -1.0):
-        assert limited((0.7, -2.0), told=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
-        assert limited((0.1, 0.1), told=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
-        assert limited((0.0, 0.0), told=(0.2, 0.5), dt_s=dt_s) == (0.0, 0.0)
+        assert limited((0.7, -2.0), last=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
+        assert limited((0.1, 0.1), last=(0.2, 0.5), dt_s=dt_s) == (0.2, 0.5)
+        assert limited((0.0, 0.0), last=(0.2, 0.5), dt_s=dt_s) == (0.0, 0.0)
 
 
 @given(st.floats(-0.2, 0.7), st.floats(-2.0, 2.0))
 def test_a_wheel_too_fast_slows_both_down_and_keeps_the_curvature(v, w):
     # The wheels' limit binds: 5 rad/s are 0.25 m/s.
     limits = base.WheelLimitsConfig(max_wheel_radps=5.0, max_linear_mps=0.7, max_angular_radps=2.0)
-    linear, angular = limited((v, w), told=(v, w), limits=limits)
+    linear, angular = limited((v, w), last=(v, w), limits=limits)
     left, right = base.wheel_speeds(WHEELS, Twist(linear, angular))
     assert max(abs(left), abs(right)) <= 5.0 + 1e-9
     assert linear * w == pytest.approx(angular * v, abs=1e-12)

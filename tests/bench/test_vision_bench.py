@@ -227,41 +227,41 @@ def test_a_tracker_that_never_saw_the_leader_proves_nothing():
 def test_the_median_over_the_tags_counts_a_missed_tag():
     figures = figures_of([Answer(1, scenes.tag_pose(1.002))], [scenes.tag_pose(1.0)])
     missed = figures_of([Answer(1)], [scenes.tag_pose(1.0)])
-    assert medians({0: {"eye": figures}, 1: {"eye": figures}})["eye"] == pytest.approx(2.0)
-    assert math.isnan(medians({0: {"eye": figures}, 1: {"eye": missed}})["eye"])
+    assert medians({0: {"tracker": figures}, 1: {"tracker": figures}})["tracker"] == pytest.approx(2.0)
+    assert math.isnan(medians({0: {"tracker": figures}, 1: {"tracker": missed}})["tracker"])
 
 
 def test_all_eyes_see_the_same_frames_each_first_in_its_turn():
     calls = []
 
-    class Eye:
+    class Tracker:
         def __init__(self, name):
             self.name = name
 
-        def look(self, image, utime):
+        def track(self, image, utime):
             calls.append((self.name, int(image[0, 0]), utime))
             return Answer(1)
 
     count = 2 * BURST + 1  # two bursts, and one of a single frame
     pictures = [scenes.Picture(np.full((1, 1), k, np.uint8), scenes.tag_pose(1.0), k) for k in range(count)]
-    figures = compare([Eye("a"), Eye("b"), Eye("c")], pictures)
+    figures = compare([Tracker("a"), Tracker("b"), Tracker("c")], pictures)
     assert "".join(name for name, _, _ in calls[::BURST][:6]) == "abcbca"
     assert "".join(name for name, _, _ in calls[-3:]) == "cab"
-    for eye in "abc":
-        assert [(shade, utime) for name, shade, utime in calls if name == eye] == [(k, k) for k in range(count)]
-    assert {name: of_eye.frames for name, of_eye in figures.items()} == {"a": count, "b": count, "c": count}
+    for tracker in "abc":
+        assert [(shade, utime) for name, shade, utime in calls if name == tracker] == [(k, k) for k in range(count)]
+    assert {name: of_tracker.frames for name, of_tracker in figures.items()} == {"a": count, "b": count, "c": count}
 
 
 def test_contests_take_turns_burst_by_burst_until_the_longest_ends():
     calls = []
 
-    class Eye:
-        name = "eye"
+    class Tracker:
+        name = "tracker"
 
         def __init__(self, contest):
             self.contest = contest
 
-        def look(self, image, utime):
+        def track(self, image, utime):
             calls.append(self.contest)
             return Answer(1)
 
@@ -269,10 +269,16 @@ def test_contests_take_turns_burst_by_burst_until_the_longest_ends():
         return [scenes.Picture(np.zeros((1, 1), np.uint8), scenes.tag_pose(1.0), k) for k in range(count)]
 
     figures = compare_in_turns(
-        {"long": Contest([Eye("long")], pictures(2 * BURST + 1)), "short": Contest([Eye("short")], pictures(BURST))}
+        {
+            "long": Contest([Tracker("long")], pictures(2 * BURST + 1)),
+            "short": Contest([Tracker("short")], pictures(BURST)),
+        }
     )
     assert calls == ["long"] * BURST + ["short"] * BURST + ["long"] * (BURST + 1)
-    assert {name: by_eye["eye"].frames for name, by_eye in figures.items()} == {"long": 2 * BURST + 1, "short": BURST}
+    assert {name: by_tracker["tracker"].frames for name, by_tracker in figures.items()} == {
+        "long": 2 * BURST + 1,
+        "short": BURST,
+    }
 
 
 def test_the_first_frames_of_the_bursts_have_a_figure_of_their_own():

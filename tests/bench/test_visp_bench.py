@@ -20,12 +20,12 @@ def at(x_m, y_m, z_m, rotation=None):
     return matrix
 
 
-def line(eye, ms, *tags):
+def line(tracker, ms, *tags):
     listed = [
         {"id": i, "truth": truth.ravel().tolist(), "pose": None if pose is None else pose.ravel().tolist()}
         for i, (truth, pose) in enumerate(tags)
     ]
-    return {"eye": eye, "row": "ba".index(eye), "picture": 0, "elapsed_ns": ms * 1e6, "tags": listed}
+    return {"tracker": tracker, "row": "ba".index(tracker), "picture": 0, "elapsed_ns": ms * 1e6, "tags": listed}
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 0.001, 30.0, 120.0, 180.0])
@@ -45,7 +45,7 @@ def test_times_and_errors_are_told_by_eye_in_the_order_of_their_rows():
             line("b", 9, (truth, truth)),
         ]
     )
-    assert [row.eye for row in rows] == ["b", "a"]
+    assert [row.tracker for row in rows] == ["b", "a"]
     assert (rows[0].median_ms, rows[0].mean_ms, rows[0].p95_ms) == pytest.approx((2, 4, 9))
     assert rows[0].translation_rms_mm == pytest.approx(np.sqrt((9 + 16 + 0) / 3))
     assert rows[0].bias_mm == pytest.approx((1.0, 4 / 3, 0))

@@ -40,7 +40,7 @@ class RecordedRun:
         self.results = []
 
     def see(self, utime, observation, now_us, reason=Reason.no_tag_found, known_age_us=0):
-        result = self.core.answer(utime, observation, now_us, reason, known_age_us)
+        result = self.core.step_observation(utime, observation, now_us, reason, known_age_us)
         self.box.frame(utime, known_age_us, now_us, result, self.core)
         return self._keep(result)
 
@@ -53,13 +53,13 @@ class RecordedRun:
         self.handed_over += 1
         self.box.setpoint(setpoint, self.core.set_setpoint(setpoint), self.core)
 
-    def set_own_motion(self, utime, twist):
+    def set_ego_motion(self, utime, twist):
         self.handed_over += 1
-        self.box.own_motion(utime, twist, self.core.set_own_motion(utime, twist), self.core)
+        self.box.ego_motion(utime, twist, self.core.set_ego_motion(utime, twist), self.core)
 
-    def set_announced_motion(self, utime, twist):
+    def set_leader_intent(self, utime, twist):
         self.handed_over += 1
-        self.box.announced_motion(utime, twist, self.core.set_announced_motion(utime, twist), self.core)
+        self.box.leader_intent(utime, twist, self.core.set_leader_intent(utime, twist), self.core)
 
     def send(self, now_us, missing=Reason.no_frame):
         held = self.core.held
@@ -118,9 +118,9 @@ def drive_at_random(run: RecordedRun, count: int, seed: int) -> None:
             run.see(utime, None, now_us, why)
         if chance.random() < 0.3:
             twist = core.Twist(linear_mps=chance.gauss(0, 0.4), angular_radps=chance.gauss(0, 0.5))
-            run.set_own_motion(utime + chance.choice([-20_000, 5000, 10**7]), twist)
+            run.set_ego_motion(utime + chance.choice([-20_000, 5000, 10**7]), twist)
         if chance.random() < 0.3:
-            run.set_announced_motion(utime, core.Twist(linear_mps=speed, angular_radps=0.0))
+            run.set_leader_intent(utime, core.Twist(linear_mps=speed, angular_radps=0.0))
         if chance.random() < 0.05:
             where = {"distance_m": chance.uniform(0.35, 2.0), "bearing_rad": chance.uniform(-0.5, 0.5)}
             run.set_setpoint(core.Setpoint(**where, run=chance.random() < 0.9))

@@ -72,13 +72,13 @@ def test_another_coordinator_with_its_memory_goes_on_as_the_first_would(law, pro
 
 
 def test_bytes_that_are_no_memory_are_refused_and_change_nothing():
-    heart = coordinator.Coordinator(coordinator.load_coordinator(CONFIG_PATH).coordinator)
-    heart.answer(1_000_000, observation_at(1_000_000, 2.0), 5_000_000)
-    decisions, eyes = before = heart.memory
-    for wrong in [(decisions[:-1], eyes), (decisions + b"\0", eyes), (b"", b""), (decisions, eyes[:-8])]:
+    robot = coordinator.Coordinator(coordinator.load_coordinator(CONFIG_PATH).coordinator)
+    robot.step_observation(1_000_000, observation_at(1_000_000, 2.0), 5_000_000)
+    decisions, vision = before = robot.memory
+    for wrong in [(decisions[:-1], vision), (decisions + b"\0", vision), (b"", b""), (decisions, vision[:-8])]:
         with pytest.raises(ValueError, match="no memory"):
-            heart.memory = wrong
-        assert heart.memory == before
+            robot.memory = wrong
+        assert robot.memory == before
 
 
 @pytest.mark.parametrize("where", range(4))
@@ -161,7 +161,7 @@ def test_jpegs_as_they_came_are_seen_again_bit_for_bit(tmp_path):
     run.close()
     report = replay(events_in(tmp_path), from_pixels=True)
     assert report.first_difference is None
-    assert (report.frames, report.sights, report.sights_unchecked) == (25, 25, 0)
+    assert (report.frames, report.sights, report.observations_unchecked) == (25, 25, 0)
     assert 0 < report.measured <= 20
 
 
@@ -272,7 +272,7 @@ def test_the_configuration_comes_out_of_the_log_alone(tmp_path):
     after = coordinator.Coordinator(coordinator.load_bundle(bundle).coordinator)
     for k in range(20):
         utime, now_us = 1_000_000 + k * PERIOD_US, 9_000_000 + k * PERIOD_US
-        a, b = (c.answer(utime, observation_at(utime, 2.0 - 0.01 * k), now_us) for c in (before, after))
+        a, b = (c.step_observation(utime, observation_at(utime, 2.0 - 0.01 * k), now_us) for c in (before, after))
         assert a.command == b.command
 
 

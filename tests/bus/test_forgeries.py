@@ -16,7 +16,7 @@ def test_of_a_million_forged_or_replayed_messages_none_is_accepted():
     probe = RELEASE / "tests" / "probes" / "forgery_probe"
     done = subprocess.run([probe, "8", str(FORGERIES)], check=True, capture_output=True, text=True)
     counts = {key: int(count) for key, count in (line.split() for line in done.stdout.splitlines())}
-    accepted, stops = counts.pop("forged_accepted"), counts.pop("forged_stops_believed")
+    accepted, stops = counts.pop("forged_accepted"), counts.pop("forged_stops_accepted")
     genuine, genuine_accepted = counts.pop("genuine"), counts.pop("genuine_accepted")
     assert accepted == 0
     assert sum(counts.values()) == FORGERIES

@@ -1,4 +1,4 @@
-"""Odometry and announcements that must not get past the edge."""
+"""Odometry and leader intents that must not get past the edge."""
 
 import math
 

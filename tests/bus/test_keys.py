@@ -114,7 +114,7 @@ def test_no_bit_of_a_signed_message_can_be_flipped(edge, key):
     "changes", [{}, {"distance_m": float("nan")}, {"bearing_rad": 4.0}, {"distance_m": 0.0}, {"mac": b"x" * 32}]
 )
 @pytest.mark.parametrize("with_key", [False, True])
-def test_a_stop_is_believed_from_anyone_but_nothing_else_in_it(edge, key, with_key, changes):
+def test_a_stop_is_accepted_from_anyone_but_nothing_else_in_it(edge, key, with_key, changes):
     if with_key:
         edge.link.bus.set_key(key)
     stop = valid_setpoint(**({"run": False, "session": 5, "counter": 6} | changes))
@@ -127,7 +127,7 @@ def test_a_stop_is_believed_from_anyone_but_nothing_else_in_it(edge, key, with_k
 
 
 @pytest.mark.parametrize("with_key", [False, True])
-def test_a_stop_without_its_mac_as_pythons_lcm_sends_it_is_believed_and_nothing_else_is(edge, key, with_key):
+def test_a_stop_without_its_mac_as_pythons_lcm_sends_it_is_accepted_and_nothing_else_is(edge, key, with_key):
     if with_key:
         edge.link.bus.set_key(key)
     stop = valid_setpoint(run=False, session=5, counter=6, distance_m=2.0, mac=b"")
@@ -137,7 +137,7 @@ def test_a_stop_without_its_mac_as_pythons_lcm_sends_it_is_believed_and_nothing_
     assert edge.refuses("R1_SETPOINT", stop.encode()) == "setpoint_corrupt"
 
 
-def test_a_signed_stop_is_believed_in_all_it_says(edge, key):
+def test_a_signed_stop_is_accepted_in_all_it_says(edge, key):
     edge.link.bus.set_key(key)
     stop = signed("R1_SETPOINT", valid_setpoint(run=False, session=5, counter=6, distance_m=2.0))
     report = edge.accepts("R1_SETPOINT", stop)

@@ -67,7 +67,7 @@ def test_a_command_comes_in_as_it_is(link):
 
 def test_an_observation_goes_out_as_it_is(link):
     corners = np.array([[1.5, 20.25], [10.75, 20.0], [10.5, 3.0], [1.25, 3.5]])  # exact in single precision
-    tag = core.TagSighting(id=586, corners_px=corners, hamming=1, decision_margin=42.5)
+    tag = core.TagDetection(id=586, corners_px=corners, hamming=1, decision_margin=42.5)
     observation = core.Observation(
         utime=9,
         distance_m=2.44,
@@ -112,14 +112,18 @@ def test_a_status_goes_out_as_it_is(link):
         processing_ms=3.5,
         rejected={"image_corrupt": 3, "tag_refused": 1},
     )
-    report.trust, report.leader_radial_mps, report.leader_tangential_mps = 0.875, 0.2, -0.05
+    report.feed_forward_weight, report.leader_radial_mps, report.leader_tangential_mps = 0.875, 0.2, -0.05
     report.leader_turn_rate_radps, report.latency_s, report.configured_latency_s = 0.25, 0.041, 0.033
-    report.own_motion, report.announcement = status_t.OWN_MOTION_ODOMETRY, status_t.ANNOUNCEMENT_USED
+    report.ego_motion, report.leader_intent = status_t.EGO_MOTION_ODOMETRY, status_t.LEADER_INTENT_USED
     report.latency_from_exposure = True
     message = status_t.decode(link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", report)))
-    assert (message.trust, message.leader_radial_mps, message.leader_tangential_mps) == (0.875, 0.2, -0.05)
+    assert (message.feed_forward_weight, message.leader_radial_mps, message.leader_tangential_mps) == (
+        0.875,
+        0.2,
+        -0.05,
+    )
     assert (message.leader_turn_rate_radps, message.latency_s, message.configured_latency_s) == (0.25, 0.041, 0.033)
-    assert (message.own_motion, message.announcement, message.latency_from_exposure) == (1, 3, True)
+    assert (message.ego_motion, message.leader_intent, message.latency_from_exposure) == (1, 3, True)
     assert (message.utime, message.status, message.text) == (3, command_t.STATUS_TRACKING, "tracking")
     assert (message.error_m, message.error_change_m, message.output) == (-0.5, 0.01, 0.75)
     np.testing.assert_array_equal(message.strengths, strengths.astype(np.float32))

@@ -11,7 +11,7 @@ from pilotfish import bus
 from pilotfish import data as shipped
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
-from played_coordinator import PlayedCoordinator
+from scripted_coordinator import ScriptedCoordinator
 
 WITHIN_S = 30.0
 
@@ -65,7 +65,7 @@ def test_a_program_survives_foreign_datagrams_and_goes_on_sending(tmp_path, url,
     program, *options = command
     listener, sender = Listener(url), Sender(url)
     # The simulator sends pictures only to a coordinator that obeys; this one looks at none of them.
-    obeying = PlayedCoordinator(url, answers_pictures=True) if program == SIM else nullcontext()
+    obeying = ScriptedCoordinator(url, answers_pictures=True) if program == SIM else nullcontext()
     with obeying, Child([find_executable(program), *options, "--lcm-url", url], tmp_path, program) as child:
         listener.wait_for(5, child)
         sender.send(*hostile_datagrams())

@@ -26,7 +26,7 @@ FINGERPRINTS = {
     types.setpoint_t: "3f6bae990fba7acc",
     types.stage_t: "1deddd80d1432c03",
     types.status_t: "9450862b7a6aa3b3",
-    types.tag_sighting_t: "ef8d50b69ab4b284",
+    types.tag_detection_t: "ef8d50b69ab4b284",
     # The black box's.
     types.box_file_t: "4e4221d2ef4c9661",
     types.box_start_t: "725a7acb57630f9c",
@@ -56,7 +56,7 @@ def longest_words():
 
 
 def worst_tag(tag_id):
-    return core.TagSighting(id=tag_id, corners_px=np.full((4, 2), 639.5), hamming=2, decision_margin=1e9)
+    return core.TagDetection(id=tag_id, corners_px=np.full((4, 2), 639.5), hamming=2, decision_margin=1e9)
 
 
 def worst_counters(how_many):
@@ -126,7 +126,7 @@ def catch_base(link, report):
 @pytest.mark.parametrize(
     ("report", "catch", "at_most"), [(bus.StatusReport, catch_status, 24), (bus.BaseReport, catch_base, 16)]
 )
-def test_of_short_names_as_many_travel_as_a_listener_believes(link, report, catch, at_most):
+def test_of_short_names_as_many_travel_as_a_listener_accepts(link, report, catch, at_most):
     """One more than at_most: all but two of them and "others" in one message, those two and "others" in the next."""
     counters = {f"{i:02}": 2**i for i in range(at_most)}
     assert {c.name: c.count for c in catch(link, report(utime=1, rejected=counters)).rejected} == counters

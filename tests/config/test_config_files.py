@@ -45,16 +45,16 @@ def test_degrees_become_radians_and_the_frame_rate_sets_the_control_period(folde
 
 def test_odometry_and_announcements_are_off_unless_asked_for(folder):
     file = folder / "config/line.yaml"
-    assert (coordinator.load_coordinator(file).odometry, coordinator.load_coordinator(file).announcements_from) == (
+    assert (coordinator.load_coordinator(file).odometry, coordinator.load_coordinator(file).leader_intent_from) == (
         "none",
         "",
     )
-    break_file(file, "^source: lcm", "odometry: pose\nannouncements_from: leader")
+    break_file(file, "^source: lcm", "odometry: pose\nleader_intent_from: leader")
     asked = coordinator.load_coordinator(file)
-    assert (asked.odometry, asked.announcements_from) == ("pose", "leader")
-    break_file(file, "^odometry: pose\nannouncements_from: leader", "odometry: none\nannouncements_from: none")
+    assert (asked.odometry, asked.leader_intent_from) == ("pose", "leader")
+    break_file(file, "^odometry: pose\nleader_intent_from: leader", "odometry: none\nleader_intent_from: none")
     declined = coordinator.load_coordinator(file)
-    assert (declined.odometry, declined.announcements_from) == ("none", "")
+    assert (declined.odometry, declined.leader_intent_from) == ("none", "")
 
 
 BROKEN = [
@@ -65,7 +65,7 @@ BROKEN = [
     (r"^frame_rate_hz: 30", "frame_rate_hz: fast", r"frame_rate_hz: 'fast' is not a number"),
     (r"^frame_rate_hz: 30", "frame_rate_hz: .nan", r"frame_rate_hz: nan is outside"),
     (r"^source: lcm", "odometry: wheels", r"odometry: 'wheels' is not an odometry; choose none or pose"),
-    (r"^source: lcm", "announcements_from: the leader", r"announcements_from: 'the leader' is not a name"),
+    (r"^source: lcm", "leader_intent_from: the leader", r"leader_intent_from: 'the leader' is not a name"),
     (r"^profile: anticipate", "profile: best", r"profile: 'best' is not a profile; choose paper or anticipate"),
     (r"  distance_m: 1\.10", "  distance_m: -1", r"setpoint\.distance_m: -1 is outside \[0\.05, 20\]"),
     (

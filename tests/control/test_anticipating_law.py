@@ -77,11 +77,13 @@ def test_the_change_of_the_error_is_what_the_distance_loses_along_the_line_of_si
     assert out.velocity.error_change_m == pytest.approx(-d_rate * PAPER.control_period_s, abs=1e-6)
 
 
-def test_trust_is_one_half_at_the_trusted_sigma_and_falls_smoothly_to_nothing():
-    sigmas = [0.0, CONFIG.trusted_sigma_mps, 10.0, 1e9]
-    trusts = [control.trust(CONFIG, leader(radial_sigma_mps=sigma)) for sigma in sigmas]
+def test_the_feed_forward_weight_is_one_half_at_its_sigma_and_falls_smoothly_to_nothing():
+    sigmas = [0.0, CONFIG.half_weight_sigma_mps, 10.0, 1e9]
+    trusts = [control.feed_forward_weight(CONFIG, leader(radial_sigma_mps=sigma)) for sigma in sigmas]
     assert trusts == pytest.approx([1.0, 0.5, 1e-4, 0.0], abs=1e-6)
-    assert control.trust(CONFIG, leader(tangential_sigma_mps=CONFIG.trusted_sigma_mps)) == pytest.approx(0.5)
+    assert control.feed_forward_weight(
+        CONFIG, leader(tangential_sigma_mps=CONFIG.half_weight_sigma_mps)
+    ) == pytest.approx(0.5)
 
 
 def follow_all(profile, covariance, frames=60, **config):
@@ -101,11 +103,11 @@ def test_a_coordinator_that_knows_nothing_drives_as_published():
     standard deviation; trusted at 1 mm/s that is a trust of 4e-6, and the command differs by less than that times the
     speeds involved (below 10). No guard interferes, because none is near."""
     unknown = np.eye(3)
-    config = control.AnticipateConfig(trusted_sigma_mps=1e-3, safety_sigmas=0.0, minimum_distance_m=0.0)
+    config = control.AnticipateConfig(half_weight_sigma_mps=1e-3, safety_sigmas=0.0, minimum_distance_m=0.0)
     published = follow_all(control.Profile.paper, unknown, frames=20)
     anticipated = follow_all(control.Profile.anticipate, unknown, frames=20, anticipate=config)
     for a, b in zip(published, anticipated, strict=True):
-        assert b.trust < 1e-5
+        assert b.feed_forward_weight < 1e-5
         assert b.command.linear_mps == pytest.approx(a.command.linear_mps, abs=1e-4)
         assert b.command.angular_radps == pytest.approx(a.command.angular_radps, abs=1e-4)
 
@@ -114,7 +116,7 @@ def test_with_a_measurement_that_cannot_be_used_the_published_law_drives_to_the_
     broken = np.full((3, 3), math.nan)
     published, anticipated = (follow_all(p, broken) for p in (control.Profile.paper, control.Profile.anticipate))
     assert [a.command for a in published] == [b.command for b in anticipated]
-    assert all(b.leader is None and b.trust == 0.0 for b in anticipated)
+    assert all(b.leader is None and b.feed_forward_weight == 0.0 for b in anticipated)
 
 
 def test_the_same_observations_give_the_same_bits():
@@ -216,7 +218,7 @@ def test_dead_reckoning_is_where_the_simulated_drive_goes():
     from pilotfish import sim
 
     drive = sim.DriveConfig(command_timeout_s=0.0)
-    robot, own = sim.Unicycle(drive), control.OwnMotion()
+    robot, own = sim.Unicycle(drive), control.EgoMotion()
     random = np.random.default_rng(5)
     own.advance_to(0)
     for k in range(30):

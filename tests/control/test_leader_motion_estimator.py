@@ -30,9 +30,9 @@ def leader_that_obeys_the_model(random, frames):
     """A draw from the model itself: the first state from the prior, then coordinated turns whose velocity and turn rate
     walk at random; the way of moving changes with the model's rate."""
     sigmas = [
-        (CONFIG.calm_velocity_sigma, CONFIG.calm_turn_sigma),
-        (CONFIG.steering_velocity_sigma, CONFIG.steering_turn_sigma),
-        (CONFIG.jolt_velocity_sigma, CONFIG.jolt_turn_sigma),
+        (CONFIG.quiescent_velocity_sigma, CONFIG.quiescent_turn_sigma),
+        (CONFIG.manoeuvre_velocity_sigma, CONFIG.manoeuvre_turn_sigma),
+        (CONFIG.abrupt_velocity_sigma, CONFIG.abrupt_turn_sigma),
     ]
     state = np.array([1.2, -0.2, *(0.5 * random.standard_normal(2)), 0.3, 0.7 * random.standard_normal()])
     mode = random.choice(3, p=[0.4, 0.4, 0.2])

@@ -12,37 +12,37 @@ PICTURES = [frame.image for frame in leader_pictures(40)]
 STILL = core.Twist()
 
 
-def step(heart, image, k):
+def step(robot, image, k):
     utime = 1_000_000 + k * PERIOD_US
-    return heart.step(core.Frame(image, utime=utime), utime)
+    return robot.step(core.Frame(image, utime=utime), utime)
 
 
 @pytest.mark.fault("camera_frozen")
 def test_the_third_picture_in_a_row_with_the_same_pixels_moves_nothing():
-    heart = coordinator.Coordinator(CONFIG)
+    robot = coordinator.Coordinator(CONFIG)
     for k in range(10):
-        assert step(heart, PICTURES[k], k).status == Status.tracking
-    assert step(heart, PICTURES[9], 10).reason != Reason.camera_frozen
+        assert step(robot, PICTURES[k], k).status == Status.tracking
+    assert step(robot, PICTURES[9], 10).reason != Reason.camera_frozen
     for k in range(11, 100):
-        result = step(heart, PICTURES[9], k)
+        result = step(robot, PICTURES[9], k)
         assert (result.status, result.reason) == (Status.invalid_input, Reason.camera_frozen)
         assert result.command == STILL
-    assert step(heart, PICTURES[10], 100).status == Status.tracking, "it has come back to life"
+    assert step(robot, PICTURES[10], 100).status == Status.tracking, "it has come back to life"
 
 
 @pytest.mark.parametrize("ring", [2, 4, 8, 16])
 def test_a_driver_that_goes_round_its_ring_of_old_buffers_is_frozen_as_well(ring):
-    heart = coordinator.Coordinator(CONFIG)
-    results = [step(heart, PICTURES[k % ring], k) for k in range(60)]
+    robot = coordinator.Coordinator(CONFIG)
+    results = [step(robot, PICTURES[k % ring], k) for k in range(60)]
     assert all(r.reason == Reason.camera_frozen and r.command == STILL for r in results[2 * ring :])
 
 
 def test_one_gray_level_in_one_pixel_is_a_living_camera():
-    heart = coordinator.Coordinator(CONFIG)
+    robot = coordinator.Coordinator(CONFIG)
     for k in range(20):
         image = PICTURES[0].copy()
         image[(37 * k) % 480, (101 * k) % 640] ^= 1
-        assert step(heart, image, k).reason != Reason.camera_frozen
+        assert step(robot, image, k).reason != Reason.camera_frozen
 
 
 @pytest.mark.parametrize("width", [633, 637, 639])
@@ -51,17 +51,17 @@ def test_the_pixels_behind_the_last_whole_word_of_a_row_count_as_well(width):
     config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
     camera = config.camera
     config.camera = core.CameraModel(width=width, height=480, fx=camera.fx, fy=camera.fy, cx=camera.cx, cy=camera.cy)
-    heart = coordinator.Coordinator(config)
+    robot = coordinator.Coordinator(config)
     for k in range(10):
         image = PICTURES[0][:, :width].copy()
         image[479, width - 1] = 100 + k
-        assert step(heart, image, k).reason != Reason.camera_frozen
-    step(heart, image, 10)
-    assert step(heart, image, 11).reason == Reason.camera_frozen, "the third with the same pixels"
+        assert step(robot, image, k).reason != Reason.camera_frozen
+    step(robot, image, 10)
+    assert step(robot, image, 11).reason == Reason.camera_frozen, "the third with the same pixels"
 
 
 def test_pictures_declared_noiseless_may_repeat():
     config = coordinator.load_coordinator(str(shipped.path("config/line.yaml"))).coordinator
     config.safety.noiseless_camera = True
-    heart = coordinator.Coordinator(config)
-    assert all(step(heart, PICTURES[0], k).status == Status.tracking for k in range(10))
+    robot = coordinator.Coordinator(config)
+    assert all(step(robot, PICTURES[0], k).status == Status.tracking for k in range(10))

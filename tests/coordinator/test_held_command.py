@@ -43,7 +43,7 @@ def test_each_reason_says_what_is_wrong_while_the_command_lives_and_after_it(rea
     dead = Status.invalid_input if invalid else Status.lost
     assert held().at(UNTIL_US, reason) == (alive, reason, COMMAND)
     assert held().at(UNTIL_US + 1, reason) == (dead, reason, STILL)
-    assert held(run=False).at(UNTIL_US, reason) == (Status.stopped, Reason.told_to_stop, STILL)
+    assert held(run=False).at(UNTIL_US, reason) == (Status.stopped, Reason.stop_requested, STILL)
 
 
 @pytest.mark.parametrize("now_us", [FROM_US - 1, UNTIL_US + 1, -(2**63), 2**63 - 1])

@@ -28,17 +28,17 @@ def blank(utime):
     return core.Frame(np.full((480, 640), 128, np.uint8), utime=utime)
 
 
-def step(heart, frame, waited_us=0):
+def step(robot, frame, waited_us=0):
     """Frames arrive when they are exposed, on one clock, unless the test is about that."""
-    return heart.step(frame, frame.utime + waited_us)
+    return robot.step(frame, frame.utime + waited_us)
 
 
 def tracking_coordinator():
     """Has tracked FRAMES and drives."""
-    heart = fresh()
-    result = [step(heart, frame) for frame in FRAMES][-1]
+    robot = fresh()
+    result = [step(robot, frame) for frame in FRAMES][-1]
     assert result.status == Status.tracking and result.command.linear_mps > 0.1
-    return heart, result
+    return robot, result
 
 
 def test_before_the_leader_is_seen_it_searches_and_stands_still():
@@ -57,10 +57,10 @@ def test_a_measured_leader_is_tracked_and_the_law_drives():
 
 
 def test_without_the_leader_the_last_command_is_held_for_100_ms_then_zero():
-    heart, last = tracking_coordinator()
+    robot, last = tracking_coordinator()
     seen_utime = FRAMES[-1].utime
     for age_us, status in [(33_333, Status.coasting), (100_000, Status.coasting), (100_001, Status.lost)]:
-        result = step(heart, blank(seen_utime + age_us))
+        result = step(robot, blank(seen_utime + age_us))
         assert result.status == status
         assert result.command == (last.command if status == Status.coasting else STILL)
 
@@ -75,40 +75,40 @@ def test_asking_what_holds_without_a_frame_changes_nothing():
 
 
 def test_without_frames_the_command_goes_to_zero_after_100_ms():
-    heart, last = tracking_coordinator()
-    coasting = heart.command_at(FRAMES[-1].utime + 100_000)
+    robot, last = tracking_coordinator()
+    coasting = robot.command_at(FRAMES[-1].utime + 100_000)
     assert (coasting.status, coasting.reason, coasting.command) == (
         Status.coasting,
         Reason.no_frame,
         last.command,
     )
-    lost = heart.command_at(FRAMES[-1].utime + 100_001)
+    lost = robot.command_at(FRAMES[-1].utime + 100_001)
     assert (lost.status, lost.reason, lost.command) == (Status.lost, Reason.no_frame, STILL)
 
 
 def test_a_measurement_from_the_future_is_not_fresh():
-    heart, _ = tracking_coordinator()
-    assert heart.command_at(FRAMES[-1].utime - 1).command == STILL
+    robot, _ = tracking_coordinator()
+    assert robot.command_at(FRAMES[-1].utime - 1).command == STILL
 
 
 def test_after_being_lost_the_law_starts_from_rest():
-    heart, _ = tracking_coordinator()
+    robot, _ = tracking_coordinator()
     first = step(fresh(), FRAMES[0])
-    found_again = step(heart, at(FRAMES[0], FRAMES[-1].utime + 5_000_000))
+    found_again = step(robot, at(FRAMES[0], FRAMES[-1].utime + 5_000_000))
     assert found_again.status == Status.tracking
     assert found_again.command == first.command
     assert found_again.control.velocity.error_change_m == 0.0
 
 
 def test_a_frame_that_is_not_newer_is_refused_and_does_not_lengthen_the_life_of_the_last_one():
-    heart, last = tracking_coordinator()
+    robot, last = tracking_coordinator()
     seen = FRAMES[-1].utime
-    again = heart.step(FRAMES[-1], seen + 50_000)
+    again = robot.step(FRAMES[-1], seen + 50_000)
     assert (again.status, again.reason) == (Status.invalid_input, Reason.frame_time_not_advancing)
     assert again.command == last.command  # 50 ms old
-    assert heart.step(FRAMES[-1], seen + 100_000).command == last.command
-    assert heart.step(FRAMES[-1], seen + 100_001).command == STILL
-    assert heart.step(FRAMES[0], seen + 100_002).command == STILL
+    assert robot.step(FRAMES[-1], seen + 100_000).command == last.command
+    assert robot.step(FRAMES[-1], seen + 100_001).command == STILL
+    assert robot.step(FRAMES[0], seen + 100_002).command == STILL
 
 
 def claims(data, width, height, stride_bytes):
@@ -128,30 +128,30 @@ def claims(data, width, height, stride_bytes):
     ids=["0x0", "1x1", "40000 wide", "truncated", "wrong stride", "wrong size"],
 )
 def test_a_frame_that_cannot_be_used_moves_nothing_and_says_why(frame, reason):
-    heart, _ = tracking_coordinator()
-    result = step(heart, frame)  # long after the last good one
+    robot, _ = tracking_coordinator()
+    result = step(robot, frame)  # long after the last good one
     assert (result.status, result.reason) == (Status.invalid_input, getattr(Reason, reason))
     assert result.command == STILL
-    assert heart.rejected.frames_invalid == 1
+    assert robot.rejected.frames_invalid == 1
 
 
-def test_told_to_stop_it_stands_still_but_keeps_looking():
-    heart, _ = tracking_coordinator()
-    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=False))
-    result = step(heart, at(FRAMES[-1], FRAMES[-1].utime + PERIOD_US))
-    assert (result.status, result.reason, result.command) == (Status.stopped, Reason.told_to_stop, STILL)
+def test_stop_requested_it_stands_still_but_keeps_looking():
+    robot, _ = tracking_coordinator()
+    assert robot.set_setpoint(core.Setpoint(distance_m=1.1, run=False))
+    result = step(robot, at(FRAMES[-1], FRAMES[-1].utime + PERIOD_US))
+    assert (result.status, result.reason, result.command) == (Status.stopped, Reason.stop_requested, STILL)
     assert result.observation is not None
-    assert heart.command_at(FRAMES[-1].utime + PERIOD_US).status == Status.stopped
+    assert robot.command_at(FRAMES[-1].utime + PERIOD_US).status == Status.stopped
 
 
 def test_a_stop_and_a_run_between_two_frames_leave_nothing_to_drive_on():
-    heart, last = tracking_coordinator()
-    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=False))
-    assert heart.set_setpoint(core.Setpoint(distance_m=1.1, run=True))
+    robot, last = tracking_coordinator()
+    assert robot.set_setpoint(core.Setpoint(distance_m=1.1, run=False))
+    assert robot.set_setpoint(core.Setpoint(distance_m=1.1, run=True))
     seen_utime = FRAMES[-1].utime
-    assert heart.command_at(seen_utime + 1).command == STILL
+    assert robot.command_at(seen_utime + 1).command == STILL
     next_frame = at(FRAMES[-1], seen_utime + PERIOD_US)
-    again = step(heart, next_frame).command
+    again = step(robot, next_frame).command
     # From rest the acceleration limit alone decides, as for one that has just begun; it does not depend on the last mm.
     assert again.linear_mps == pytest.approx(step(fresh(), next_frame).command.linear_mps, rel=1e-9)
     assert again.linear_mps < 0.5 * last.command.linear_mps
@@ -159,10 +159,10 @@ def test_a_stop_and_a_run_between_two_frames_leave_nothing_to_drive_on():
 
 @pytest.mark.parametrize("change", [{"distance_m": math.nan}, {"distance_m": -1.0}, {"bearing_rad": math.inf}])
 def test_a_setpoint_out_of_range_is_refused_and_the_old_one_stays(change):
-    heart = fresh()
-    assert not heart.set_setpoint(core.Setpoint(**change))
-    assert heart.setpoint.distance_m == CONFIG.setpoint.distance_m
-    assert heart.setpoint.bearing_rad == CONFIG.setpoint.bearing_rad
+    robot = fresh()
+    assert not robot.set_setpoint(core.Setpoint(**change))
+    assert robot.setpoint.distance_m == CONFIG.setpoint.distance_m
+    assert robot.setpoint.bearing_rad == CONFIG.setpoint.bearing_rad
 
 
 def test_the_same_frames_give_the_same_bits():
@@ -205,37 +205,37 @@ def test_a_setpoint_below_the_stop_distance_is_refused_at_load_and_later():
     config.safety.stop_distance_m = 1.2
     with pytest.raises(ValueError, match=r"setpoint\.distance_m: 1\.1 is below safety\.stop_distance_m"):
         coordinator.Coordinator(config)
-    heart = fresh()
-    assert not heart.set_setpoint(core.Setpoint(distance_m=0.39))
-    assert heart.set_setpoint(core.Setpoint(distance_m=0.4))
+    robot = fresh()
+    assert not robot.set_setpoint(core.Setpoint(distance_m=0.39))
+    assert robot.set_setpoint(core.Setpoint(distance_m=0.4))
 
 
 def test_a_stop_is_taken_whatever_else_the_message_says():
-    heart, _ = tracking_coordinator()
-    assert heart.set_setpoint(core.Setpoint(distance_m=math.nan, run=False))
-    assert not heart.setpoint.run and heart.setpoint.distance_m == CONFIG.setpoint.distance_m
-    assert heart.command_at(FRAMES[-1].utime).command == STILL
+    robot, _ = tracking_coordinator()
+    assert robot.set_setpoint(core.Setpoint(distance_m=math.nan, run=False))
+    assert not robot.setpoint.run and robot.setpoint.distance_m == CONFIG.setpoint.distance_m
+    assert robot.command_at(FRAMES[-1].utime).command == STILL
 
 
-TOLD = [coordinator.Coordinator.set_own_motion, coordinator.Coordinator.set_announced_motion]
+TOLD = [coordinator.Coordinator.set_ego_motion, coordinator.Coordinator.set_leader_intent]
 
 
-@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "announcement"])
+@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "leader_intent"])
 def test_what_it_is_told_of_motion_is_refused_before_the_first_frame_and_from_another_clock(tell):
-    heart, twist = fresh(), core.Twist(linear_mps=0.1)
-    assert not tell(heart, FRAMES[0].utime, twist)
-    step(heart, FRAMES[0])
-    assert not tell(heart, FRAMES[0].utime - 1_000_001, twist)
-    assert not tell(heart, FRAMES[0].utime + 1_000_001, twist)
-    assert not tell(heart, -(2**63), twist) and not tell(heart, 2**63 - 1, twist)
-    assert not tell(heart, FRAMES[0].utime + 1, core.Twist(linear_mps=math.nan))
-    assert tell(heart, FRAMES[0].utime + 1_000_000, twist)
+    robot, twist = fresh(), core.Twist(linear_mps=0.1)
+    assert not tell(robot, FRAMES[0].utime, twist)
+    step(robot, FRAMES[0])
+    assert not tell(robot, FRAMES[0].utime - 1_000_001, twist)
+    assert not tell(robot, FRAMES[0].utime + 1_000_001, twist)
+    assert not tell(robot, -(2**63), twist) and not tell(robot, 2**63 - 1, twist)
+    assert not tell(robot, FRAMES[0].utime + 1, core.Twist(linear_mps=math.nan))
+    assert tell(robot, FRAMES[0].utime + 1_000_000, twist)
 
 
-@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "announcement"])
+@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "leader_intent"])
 def test_what_it_is_told_of_motion_moves_nothing_without_a_leader_in_sight(tell):
-    heart = fresh()
+    robot = fresh()
     for k in range(30):
         utime = 1_000_000 + k * PERIOD_US
-        tell(heart, utime, core.Twist(linear_mps=0.5))
-        assert step(heart, blank(utime)).command == STILL
+        tell(robot, utime, core.Twist(linear_mps=0.5))
+        assert step(robot, blank(utime)).command == STILL

@@ -104,7 +104,7 @@ SETPOINTS = st.builds(
 
 
 @given(st.lists(st.tuples(INT64.filter(lambda s: s != SESSION), INT64, SETPOINTS), max_size=40))
-def test_without_the_session_nothing_but_stops_is_believed(messages):
+def test_without_the_session_nothing_but_stops_is_accepted(messages):
     the_gate, kept, stopped = gate(), Setpoint(distance_m=1.1, bearing_rad=-0.1, run=True), False
     for session, counter, asked in messages:
         verdict, kept = decide(the_gate, asked, session=session, counter=counter, kept=kept)

@@ -18,7 +18,7 @@ inline fuzzy::LinguisticVariable even_terms(const std::string& name, int count) 
 }
 
 /// A controller that drives faster the farther the leader is, whatever the change: U's term of the 8 rows of E is 6, 5,
-/// 4, 3, 3, 2, 1, 0, which is odd about the middle. Not proved yet.
+/// 4, 3, 3, 2, 1, 0, which is odd about the middle. Not validated yet.
 inline fuzzy::Controller even_controller() {
   fuzzy::Controller controller;
   controller.name = "even";
@@ -33,9 +33,9 @@ inline fuzzy::Controller even_controller() {
   return controller;
 }
 
-inline fuzzy::Controller proved_controller() {
+inline fuzzy::Controller validated_controller() {
   fuzzy::Controller controller = even_controller();
-  fuzzy::prove(controller);
+  fuzzy::validate(controller);
   return controller;
 }
 

@@ -92,7 +92,7 @@ VALUES = [
     core.CameraMounting(),
     core.BodyTag(),
     core.LeaderBody([core.BodyTag()]),
-    core.TagSighting(id=0, corners_px=np.zeros((4, 2))),
+    core.TagDetection(id=0, corners_px=np.zeros((4, 2))),
     fuzzy.Triangle(-1, 0, 1),
     LAW,
     LAW.error,

@@ -89,5 +89,5 @@ class Onboard:
 
 def same_in_process(frames: list[core.Frame], config: Path = LINE_CONFIG) -> list[coordinator.StepResult]:
     """What Coordinator.step says to these frames: the program around it must change nothing."""
-    heart = coordinator.Coordinator(coordinator.load_coordinator(str(config)).coordinator)
-    return [heart.step(frame, frame.utime) for frame in frames]
+    follower = coordinator.Coordinator(coordinator.load_coordinator(str(config)).coordinator)
+    return [follower.step(frame, frame.utime) for frame in frames]

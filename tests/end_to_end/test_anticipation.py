@@ -7,7 +7,7 @@ import pytest
 from pilotfish import core, sim
 from pilotfish import data as shipped
 from pilotfish.experiments import CIRCLE, LINE, run_experiment
-from pilotfish.harness.drawn_sight import DrawnSight, SightNoise
+from pilotfish.harness.drawn_observations import DrawnObservations, ObservationNoise
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import evaluate
@@ -16,12 +16,12 @@ from pilotfish.metrics import evaluate
 PHYSICAL_LIMIT_M = 0.2 * (1 / 30 + 0.1) + 0.2**2 / 2
 
 # What libapriltag's own corners gave before the whole print was fitted; a real camera and print are no better.
-COARSE = SightNoise(distance_sigma_per_m=0.25e-3, bearing_sigma_rad=1.0e-4, heading_sigma_rad_per_m=0.7e-3)
+COARSE = ObservationNoise(distance_sigma_per_m=0.25e-3, bearing_sigma_rad=1.0e-4, heading_sigma_rad_per_m=0.7e-3)
 
 
 def played(which, profile="anticipate", seed=1, duration_s=None, spec=None, configure=None, tell=None):
     scenario = Scenario.load(shipped.path(f"scenarios/{which}.yaml"))
-    drawn = DrawnSight(seed, COARSE)
+    drawn = DrawnObservations(seed, COARSE)
     run = run_in_process(
         scenario, profile=profile, spec=spec, configure=configure, drawn=drawn, tell=tell, duration_s=duration_s
     )
@@ -116,7 +116,7 @@ def test_wheels_that_cannot_do_what_they_are_told_only_cost_time():
 
 
 def tell_odometry(world, robot, driver):
-    driver.set_own_motion(world.utime, world.state(robot).twist)
+    driver.set_ego_motion(world.utime, world.state(robot).twist)
 
 
 @pytest.mark.parametrize("which", ["line", "circle"])
@@ -162,7 +162,7 @@ def test_odometry_that_measures_two_percent_too_much_costs_a_millimetre():
 
     def two_percent_too_much(world, robot, driver):
         twist = world.state(robot).twist
-        driver.set_own_motion(
+        driver.set_ego_motion(
             world.utime, core.Twist(linear_mps=1.02 * twist.linear_mps, angular_radps=1.02 * twist.angular_radps)
         )
 

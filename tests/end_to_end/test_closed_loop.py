@@ -17,7 +17,7 @@ LEADER_SPEED_MPS = 0.2
 CIRCLE_RADIUS_M = 1.0
 
 
-def standing_state(config_name, leader_turn_rate):
+def steady_state(config_name, leader_turn_rate):
     """(error_m, bearing_rad) at which the paper's law holds still relative to the leader.
 
     In a steady state the coordinator turns with the leader, w = gain (theta - theta_pd), so theta = theta_pd + w/gain,
@@ -67,7 +67,7 @@ def last_quarter(values):
 
 
 def test_on_the_line_the_distance_settles_where_the_law_says(line):
-    expected_m, _ = standing_state("line", 0.0)
+    expected_m, _ = steady_state("line", 0.0)
     assert expected_m < -0.02, "the paper's law has a steady-state error behind a moving leader, or this tests nothing"
     error_m = line.recording.meta.distance_setpoint_m - last_quarter(line.recording.true_distance_m)
     assert np.abs(error_m - expected_m).max() < 0.05
@@ -79,7 +79,7 @@ def test_on_the_line_the_bearing_is_held_within_one_degree(line):
 
 
 def test_on_the_circle_distance_and_bearing_settle_where_the_law_says(circle):
-    expected_m, expected_bearing = standing_state("circle", LEADER_SPEED_MPS / CIRCLE_RADIUS_M)
+    expected_m, expected_bearing = steady_state("circle", LEADER_SPEED_MPS / CIRCLE_RADIUS_M)
     error_m = circle.recording.meta.distance_setpoint_m - last_quarter(circle.recording.true_distance_m)
     assert np.abs(error_m - expected_m).max() < 0.05
     bearing_deg = np.degrees(last_quarter(circle.recording.true_bearing_rad))

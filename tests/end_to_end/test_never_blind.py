@@ -94,7 +94,7 @@ def test_a_clock_that_is_set_by_an_hour_is_followed_again_from_rest(tmp_path, sh
         epochs = robot.status().clock_epochs
         first = len(robot.commands)
         robot.clock_shift_us += shift_us
-        robot.follow(50)  # a second until it is believed
+        robot.follow(50)  # a second until it is accepted
         statuses = [c.status for c in robot.commands[first:]]
         assert command_t.STATUS_INVALID_INPUT in statuses
         assert statuses[-1] == command_t.STATUS_TRACKING

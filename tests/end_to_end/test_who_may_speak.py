@@ -37,7 +37,7 @@ def test_anyone_stops_the_robot_and_only_who_has_the_key_lets_it_go_on(tmp_path)
             owner.set_setpoint(distance_m=0.1, bearing_rad=0.0, within_s=SHORT_S)
 
 
-def test_what_an_operator_said_is_not_believed_a_second_time_nor_by_the_next_run(tmp_path):
+def test_what_an_operator_said_is_not_accepted_a_second_time_nor_by_the_next_run(tmp_path):
     recorded = []
 
     def play_back(onboard):

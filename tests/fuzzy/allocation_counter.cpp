@@ -1,6 +1,6 @@
 // Counts what the heap is asked for while a controller infers.
 //
-//   allocation_counter ordered | bells   ->  "<evaluations> <allocations> <a sum, so that nothing is left out>"
+//   allocation_counter ordered | gaussians   ->  "<evaluations> <allocations> <a sum, so that nothing is left out>"
 //
 // malloc is replaced by one that counts and passes on; operator new comes here as well.
 
@@ -29,15 +29,15 @@ using namespace pilotfish::fuzzy;
 static_assert(noexcept(infer(std::declval<const Controller&>(), 0.0, 0.0)));
 static_assert(noexcept(infer_output(std::declval<const Controller&>(), 0.0, 0.0)));
 
-// Shoulders at the ends and, between them, triangles or bells.
-LinguisticVariable partition(const char* name, int count, bool bells) {
+// Shoulders at the ends and, between them, triangles or Gaussians.
+LinguisticVariable partition(const char* name, int count, bool gaussians) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   LinguisticVariable variable{name, -1.0, 1.0, {}};
   const double step = 2.0 / (count - 1);
   for (int k = 0; k < count; ++k) {
     const double peak = -1.0 + k * step;
     MembershipFunction set = Triangle{peak - step, peak, peak + step};
-    if (bells) set = Gaussian{peak, 0.5 * step};
+    if (gaussians) set = Gaussian{peak, 0.5 * step};
     if (k == 0) set = Trapezoid{-kInfinity, -kInfinity, peak, peak + step};
     if (k == count - 1) set = Trapezoid{peak - step, peak, kInfinity, kInfinity};
     variable.terms.push_back({"T" + std::to_string(k), set});
@@ -49,10 +49,11 @@ LinguisticVariable partition(const char* name, int count, bool bells) {
 
 int main(int argc, char** argv) {
   if (argc != 2) return 64;
-  const bool bells = std::strcmp(argv[1], "bells") == 0;
-  Controller controller{"", partition("E", 8, bells), partition("EC", 7, bells), partition("U", 7, bells), {8, 7, {}}};
+  const bool gaussians = std::strcmp(argv[1], "Gaussians") == 0;
+  Controller controller{
+      "", partition("E", 8, gaussians), partition("EC", 7, gaussians), partition("U", 7, gaussians), {8, 7, {}}};
   for (std::size_t rule = 0; rule < kPaperRules; ++rule) controller.rules.consequents.push_back((rule * 5) % 7);
-  prove(controller);
+  validate(controller);
 
   const InputWidths wide[] = {{}, {0.1, 0.3, WidthShape::triangle}, {0.1, 0.3, WidthShape::gaussian}};
   long evaluations = 0;

@@ -30,8 +30,8 @@ def degree(spec: dict, x):
     return np.clip(np.minimum(rise, fall), 0.0, 1.0)
 
 
-def clipped_union(specs: list[dict], heights, u):
-    return np.max([np.minimum(h, degree(spec, u)) for spec, h in zip(specs, heights, strict=True)], axis=0)
+def clipped_union(specs: list[dict], term_strengths, u):
+    return np.max([np.minimum(h, degree(spec, u)) for spec, h in zip(specs, term_strengths, strict=True)], axis=0)
 
 
 def knees(spec: dict, height: float) -> list[float]:
@@ -45,12 +45,14 @@ def knees(spec: dict, height: float) -> list[float]:
     return [x for x in [a, d, *sides] if np.isfinite(x)]
 
 
-def crossings(specs: list[dict], heights, lo: float, hi: float) -> list[float]:
+def crossings(specs: list[dict], term_strengths, lo: float, hi: float) -> list[float]:
     """Where two of the clipped sets cross, by bisection of every change of sign on a grid, or meet on the grid itself.
     One that is missed may cost more than time: a panel does not see a kink behind its last node."""
-    corners = [x for spec, height in zip(specs, heights, strict=True) for x in knees(spec, height) if lo < x < hi]
+    corners = [
+        x for spec, height in zip(specs, term_strengths, strict=True) for x in knees(spec, height) if lo < x < hi
+    ]
     grid = np.unique([*np.linspace(lo, hi, 401), *corners])  # two straight sides cross once between corners
-    values = [np.minimum(h, degree(s, grid)) for s, h in zip(specs, heights, strict=True)]
+    values = [np.minimum(h, degree(s, grid)) for s, h in zip(specs, term_strengths, strict=True)]
     found = []
     for i in range(len(specs)):
         for k in range(i + 1, len(specs)):
@@ -61,7 +63,9 @@ def crossings(specs: list[dict], heights, lo: float, hi: float) -> list[float]:
                 left, right = grid[j], grid[j + 1]
                 for _ in range(60):
                     middle = 0.5 * (left + right)
-                    d = min(heights[i], degree(specs[i], middle)) - min(heights[k], degree(specs[k], middle))
+                    d = min(term_strengths[i], degree(specs[i], middle)) - min(
+                        term_strengths[k], degree(specs[k], middle)
+                    )
                     if d * difference[j] > 0:
                         left = middle
                     else:
@@ -88,20 +92,20 @@ def panel(f, a: float, b: float) -> np.ndarray:
     return 0.5 * (b - a) * (f(u) @ WEIGHTS)
 
 
-def moments(specs: list[dict], heights, lo: float = -1.0, hi: float = 1.0) -> np.ndarray:
+def moments(specs: list[dict], term_strengths, lo: float = -1.0, hi: float = 1.0) -> np.ndarray:
     """Area and first moment of the clipped union over [lo, hi], to about 1e-14."""
 
     def both(u):
-        y = clipped_union(specs, heights, u)
+        y = clipped_union(specs, term_strengths, u)
         return np.array([y, u * y])
 
-    cuts = [lo, hi, *crossings(specs, heights, lo, hi)]
-    for spec, height in zip(specs, heights, strict=True):
+    cuts = [lo, hi, *crossings(specs, term_strengths, lo, hi)]
+    for spec, height in zip(specs, term_strengths, strict=True):
         cuts += [x for x in knees(spec, height) if lo < x < hi]
     return sum((integrate(both, a, b) for a, b in pairwise(sorted(cuts))), start=np.zeros(2))
 
 
-def heights(data: dict, e: float, ec: float) -> np.ndarray:
+def term_strengths(data: dict, e: float, ec: float) -> np.ndarray:
     """Equations (4) to (6) for singletons, straight from the file's table: one height for each term of U."""
     labels = list(data["U"]["terms"])
     result = np.zeros(len(labels))
@@ -115,5 +119,5 @@ def heights(data: dict, e: float, ec: float) -> np.ndarray:
 
 
 def output(data: dict, e: float, ec: float) -> float:
-    area, first = moments(list(data["U"]["terms"].values()), heights(data, e, ec))
+    area, first = moments(list(data["U"]["terms"].values()), term_strengths(data, e, ec))
     return first / area

@@ -15,8 +15,8 @@ def make_variable(specs, lo=-1.0, hi=1.0):
     return fuzzy.LinguisticVariable("U", terms, min=lo, max=hi)
 
 
-def moments(specs, heights, lo=-1.0, hi=1.0):
-    result = fuzzy.clipped_union_moments(make_variable(specs, lo, hi), heights)
+def moments(specs, term_strengths, lo=-1.0, hi=1.0):
+    result = fuzzy.clipped_union_moments(make_variable(specs, lo, hi), term_strengths)
     return result.area, result.first
 
 
@@ -118,15 +118,19 @@ def families(shapes):
 @settings(derandomize=True, deadline=None, max_examples=100)
 @given(family=families(st.one_of(triangles, trapezoids, shoulders)))
 def test_triangles_and_trapezoids_agree_with_adaptive_quadrature(family):
-    specs, heights = [list(part) for part in zip(*family, strict=True)]
-    np.testing.assert_allclose(moments(specs, heights), fuzzy_reference.moments(specs, heights), atol=1e-12)
+    specs, term_strengths = [list(part) for part in zip(*family, strict=True)]
+    np.testing.assert_allclose(
+        moments(specs, term_strengths), fuzzy_reference.moments(specs, term_strengths), atol=1e-12
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)
 @given(family=families(st.one_of(gaussians, triangles, shoulders)))
 def test_gaussians_among_other_sets_agree_with_adaptive_quadrature(family):
-    specs, heights = [list(part) for part in zip(*family, strict=True)]
-    np.testing.assert_allclose(moments(specs, heights), fuzzy_reference.moments(specs, heights), atol=1e-9)
+    specs, term_strengths = [list(part) for part in zip(*family, strict=True)]
+    np.testing.assert_allclose(
+        moments(specs, term_strengths), fuzzy_reference.moments(specs, term_strengths), atol=1e-9
+    )
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)
@@ -138,9 +142,9 @@ def test_a_shifted_picture_has_the_shifted_centroid(family, shift):
             return gaussian(p["mean"] + shift, p["sigma"])
         return {shape: [x + shift for x in p]}
 
-    specs, heights = [list(part) for part in zip(*family, strict=True)]
-    area, first = moments(specs, heights)
-    moved_area, moved_first = moments([shifted(s) for s in specs], heights, -1 + shift, 1 + shift)
+    specs, term_strengths = [list(part) for part in zip(*family, strict=True)]
+    area, first = moments(specs, term_strengths)
+    moved_area, moved_first = moments([shifted(s) for s in specs], term_strengths, -1 + shift, 1 + shift)
     assert moved_area == pytest.approx(area, abs=1e-12)
     assert moved_first == pytest.approx(first + shift * area, abs=1e-12)
 
@@ -151,10 +155,10 @@ def test_a_shifted_picture_has_the_shifted_centroid(family, shift):
     extra=st.tuples(gaussians, height),
 )
 def test_one_more_set_never_takes_area_away_nor_adds_more_than_its_own(family, extra):
-    specs, heights = [list(part) for part in zip(*family, strict=True)]
-    before, _ = moments(specs, heights)
+    specs, term_strengths = [list(part) for part in zip(*family, strict=True)]
+    before, _ = moments(specs, term_strengths)
     own, _ = moments([extra[0]], [extra[1]])
-    after, _ = moments([*specs, extra[0]], [*heights, extra[1]])
+    after, _ = moments([*specs, extra[0]], [*term_strengths, extra[1]])
     assert max(before, own) - 1e-13 <= after <= before + own + 1e-13
 
 

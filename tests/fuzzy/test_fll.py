@@ -160,7 +160,7 @@ REFUSED = {
     "no range": ("  range: -1 1\n", "", r"line 2: E has no range"),
     "a term twice": ("term: NM Triangle", "term: NB Triangle", r"^E\.terms\.NB: is there twice"),
     "a hole": ("PM Triangle 0.3 0.5 0.8", "PM Triangle 0.55 0.6 0.8", r"^E\.terms: no term covers 0\.5 "),
-    "an input that is not locked and has bells": (
+    "an input that is not locked and has Gaussians": (
         "lock-range: true\n  term: NB Trapezoid -inf -inf -0.8 -0.5",
         "lock-range: false\n  term: NB Gaussian -1 0.3",
         r"line HERE: lock-range is false, but term 'NB' of E changes outside the range",

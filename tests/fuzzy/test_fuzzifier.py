@@ -24,7 +24,7 @@ def has_area_inside(spec):
     """Within the universe [-1, 1], and more than the proof asks for."""
     ((shape, p),) = spec.items()
     if shape == "gaussian":
-        return abs(p["mean"]) <= 1  # the tail of a narrow bell outside would be too little
+        return abs(p["mean"]) <= 1  # the tail of a narrow gaussian outside would be too little
     return min(p[-1], 1) - max(p[0], -1) > 0.02
 
 

@@ -78,9 +78,9 @@ def test_a_triangle_beside_a_triangle_by_hand():
     variable = variable_with({"triangle": [0.1, 0.5, 0.9]})
     assert fuzzy.possibility(variable, "A", 0.0, 0.2) == pytest.approx(1 / 6, abs=1e-15)
     assert fuzzy.possibility(variable, "A", 0.0, 0.1) == 0.0  # they only touch
-    # Two bells of sigma 0.1 and 0.3, means 0.4 apart, meet one sigma from both.
-    bell = variable_with({"gaussian": {"mean": 0.4, "sigma": 0.3}})
-    assert fuzzy.possibility(bell, "A", 0.0, 0.1, GAUSSIAN) == pytest.approx(math.exp(-0.5), abs=1e-15)
+    # Two Gaussians of sigma 0.1 and 0.3, means 0.4 apart, meet one sigma from both.
+    gaussian = variable_with({"gaussian": {"mean": 0.4, "sigma": 0.3}})
+    assert fuzzy.possibility(gaussian, "A", 0.0, 0.1, GAUSSIAN) == pytest.approx(math.exp(-0.5), abs=1e-15)
 
 
 def test_beyond_the_end_of_the_universe_nothing_counts():
@@ -108,7 +108,7 @@ def test_as_the_widths_vanish_the_output_tends_to_that_of_singletons(controller,
     assert none.output == singleton.output
     np.testing.assert_array_equal(none.strengths, singleton.strengths)
     # ... and on the way there the distance shrinks with the width. A triangle adds at most width * slope to a degree
-    # (slope <= 1/0.12), a bell sqrt(2 ln(1/(width slope))) times as much; u follows with a slope of about 9.
+    # (slope <= 1/0.12), a Gaussian sqrt(2 ln(1/(width slope))) times as much; u follows with a slope of about 9.
     for width in (1e-3, 1e-5, 1e-7):
         wide = fuzzy.infer(controller, e, ec, fuzzy.InputWidths(width, width, shape))
         assert np.abs(wide.strengths - singleton.strengths).max() < 9 * width * (1 if shape == TRIANGLE else 6)
@@ -124,8 +124,8 @@ def test_inference_with_widths_is_equation_6(data, shape):
         rows = [best_match(spec, e, we, shape) for spec in data["E"]["terms"].values()]
         columns = [best_match(spec, ec, wec, shape) for spec in data["EC"]["terms"].values()]
         strengths = np.minimum.outer(rows, columns)
-        heights = [strengths[table == k].max() for k in range(7)]
-        area, first = fuzzy_reference.moments(list(data["U"]["terms"].values()), heights)
+        term_strengths = [strengths[table == k].max() for k in range(7)]
+        area, first = fuzzy_reference.moments(list(data["U"]["terms"].values()), term_strengths)
         inference = fuzzy.infer(controller, e, ec, fuzzy.InputWidths(we, wec, shape))
         np.testing.assert_allclose(inference.strengths, strengths.ravel(), rtol=0, atol=1e-12)
         assert inference.output == pytest.approx(first / area, abs=1e-10)

@@ -102,14 +102,14 @@ def test_an_empty_batch_is_empty(controller):
 
 @st.composite
 def partitions(draw, count):
-    """Terms on [-1, 1] whose neighbours cross at one half: shoulders outside, triangles or bells between."""
+    """Terms on [-1, 1] whose neighbours cross at one half: shoulders outside, triangles or Gaussians between."""
     gaps = draw(st.lists(st.floats(0.2, 1.0), min_size=count - 1, max_size=count - 1))
     peaks = -1 + 2 * np.concatenate([[0], np.cumsum(gaps)]) / np.sum(gaps)
-    bells = draw(st.booleans())
+    Gaussians = draw(st.booleans())
     terms = {"T0": {"trapezoid": [-math.inf, -math.inf, peaks[0], peaks[1]]}}
     for k in range(1, count - 1):
         a, b, c = (float(x) for x in peaks[k - 1 : k + 2])
-        terms[f"T{k}"] = {"gaussian": {"mean": b, "sigma": (c - a) / 4}} if bells else {"triangle": [a, b, c]}
+        terms[f"T{k}"] = {"gaussian": {"mean": b, "sigma": (c - a) / 4}} if Gaussians else {"triangle": [a, b, c]}
     terms[f"T{count - 1}"] = {"trapezoid": [peaks[-2], peaks[-1], math.inf, math.inf]}
     return {"universe": [-1.0, 1.0], "terms": terms}
 

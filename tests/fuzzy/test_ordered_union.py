@@ -1,4 +1,4 @@
-"""The clipped union from polynomials in the heights, which inference uses: against quadrature and the envelope."""
+"""The clipped union from polynomials in the firing strengths, as in inference: against quadrature and the envelope."""
 
 import fuzzy_reference
 import numpy as np
@@ -31,31 +31,31 @@ def ordered_families(draw):
     if draw(st.booleans()):
         corners[-1, 2:] = np.inf
     family = [c.tolist() for c in corners if c[0] < c[3] - 1e-3]
-    heights = draw(st.lists(height, min_size=len(family), max_size=len(family)))
-    return [{"trapezoid": c} for c in family], heights
+    term_strengths = draw(st.lists(height, min_size=len(family), max_size=len(family)))
+    return [{"trapezoid": c} for c in family], term_strengths
 
 
 @settings(derandomize=True, deadline=None, max_examples=150)
 @given(family=ordered_families().filter(lambda f: f[0]))
 def test_every_ordered_family_agrees_with_adaptive_quadrature(family):
-    specs, heights = family
-    moments = fuzzy.ordered_union_moments(make_variable(specs), heights)
+    specs, term_strengths = family
+    moments = fuzzy.ordered_union_moments(make_variable(specs), term_strengths)
     np.testing.assert_allclose(
-        [moments.area, moments.first], fuzzy_reference.moments(specs, heights), rtol=0, atol=1e-12
+        [moments.area, moments.first], fuzzy_reference.moments(specs, term_strengths), rtol=0, atol=1e-12
     )
 
 
 @settings(derandomize=True, deadline=None, max_examples=300)
-@given(heights=st.lists(height, min_size=7, max_size=7))
-def test_the_shipped_output_sets_agree_with_the_envelope_at_any_heights(controller, heights):
+@given(term_strengths=st.lists(height, min_size=7, max_size=7))
+def test_the_shipped_output_sets_agree_with_the_envelope_at_any_heights(controller, term_strengths):
     # They are ordered, and NM and ZE overlap beside NS: pairs that are no neighbours count, too.
-    ours = fuzzy.ordered_union_moments(controller.output, heights)
-    envelope = fuzzy.clipped_union_moments(controller.output, heights)
+    ours = fuzzy.ordered_union_moments(controller.output, term_strengths)
+    envelope = fuzzy.clipped_union_moments(controller.output, term_strengths)
     np.testing.assert_allclose([ours.area, ours.first], [envelope.area, envelope.first], rtol=0, atol=1e-14)
 
 
 def test_a_term_that_hides_behind_the_one_between_by_hand():
-    # Three unit boxes over [0, 2], [1, 3] and [1, 4] tenths, heights 1/2, 1 and 1/4. The union: 1/2 over [0, 1], 1 over
+    # Three unit boxes over [0, 2], [1, 3] and [1, 4] tenths, strengths 1/2, 1, 1/4. The union: 1/2 over [0, 1], 1 over
     # [1, 3], 1/4 over [3, 4]: area 0.05 + 0.2 + 0.025. The first and the third overlap over [1, 2], but below the level
     # 1/4 the second lies between them: that pair must not count.
     boxes = [{"trapezoid": [a, a, b, b]} for a, b in ((0.0, 0.2), (0.1, 0.3), (0.1, 0.4))]
@@ -72,7 +72,7 @@ def test_a_term_that_hides_behind_the_one_between_by_hand():
         [{"triangle": [0, 0.3, 0.6]}, {"triangle": [-0.6, -0.3, 0]}],  # from right to left
         [{"gaussian": {"mean": 0, "sigma": 0.2}}],
     ],
-    ids=["nested", "reversed", "bell"],
+    ids=["nested", "reversed", "gaussian"],
 )
 def test_sets_out_of_order_are_left_to_the_envelope(specs):
     assert fuzzy.ordered_union_moments(make_variable(specs), [1.0] * len(specs)) is None

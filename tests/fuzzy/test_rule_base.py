@@ -1,4 +1,4 @@
-"""What a controller made in Python has to prove."""
+"""What a controller made in Python has to validate."""
 
 import numpy as np
 import pytest
@@ -78,7 +78,7 @@ def test_coverage_just_above_the_limit_passes_and_just_below_is_refused(controll
 
 
 def test_the_far_side_of_a_gaussian_does_not_count_as_coverage(controller):
-    # Between bells of sigma 0.01 at -0.3 and 0 the degree at -0.15 is exp(-15^2/2) = 1e-49, far too weak.
+    # Between Gaussians of sigma 0.01 at -0.3 and 0 the degree at -0.15 is exp(-15^2/2) = 1e-49, far too weak.
     terms = [fuzzy.Term(t.label, t.set) for t in controller.error_change.terms]
     terms[2] = fuzzy.Term("NS", fuzzy.Gaussian(-0.3, 0.01))
     terms[3] = fuzzy.Term("ZE", fuzzy.Gaussian(0.0, 0.01))

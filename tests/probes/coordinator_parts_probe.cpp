@@ -63,7 +63,7 @@ struct Player {
     if (what == "frame")
       inbox.put({{next<std::int64_t>()}, nullptr, nullptr});
     else if (what == "told")
-      inbox.put(ToldSetpoint{{}, next<std::int64_t>(), 0});
+      inbox.put(ReceivedSetpoint{{}, next<std::int64_t>(), 0});
     else
       inbox.wake();
   }
@@ -72,7 +72,8 @@ struct Player {
     const Inbox::Taken taken = inbox.take(std::chrono::microseconds(next<std::int64_t>()));
     std::string line = taken.frame ? std::to_string(taken.frame->at.us) : "none";
     line += " " + std::to_string(monotonic_now().us - begin.us);
-    for (const Told& told : taken.told) line += " " + std::to_string(std::get<ToldSetpoint>(told).counter);
+    for (const Received& received : taken.received)
+      line += " " + std::to_string(std::get<ReceivedSetpoint>(received).counter);
     print("taken", line);
   }
 
@@ -128,7 +129,7 @@ struct Player {
     const SenderCounts counts = sender->counts();
     const auto& late = counts.lateness.counts();
     print("counts", sender->sent(), counts.missed_deadlines, counts.rivals_heard,
-          std::accumulate(late.begin(), late.end(), 0), sender->stops_heard(), sender->beats() > 0);
+          std::accumulate(late.begin(), late.end(), 0), sender->stops_received(), sender->beats() > 0);
   }
 
   void play(const std::string& line) {
@@ -144,7 +145,7 @@ struct Player {
         if (later == "frame")
           inbox.put({{std::stoll(rest)}, nullptr, nullptr});
         else if (later == "told")
-          inbox.put(ToldSetpoint{{}, std::stoll(rest), 0});
+          inbox.put(ReceivedSetpoint{{}, std::stoll(rest), 0});
         else
           inbox.wake();
       });

@@ -160,7 +160,7 @@ void attack(bool setpoints, std::uint64_t seed, int count, std::map<std::string,
     const Bytes forged = forge(kind, receiver, key, other_key, recorded, counter + random.below(100), random);
     counts["forged_accepted"] += receiver.accepts(key, forged) ? 1 : 0;
   }
-  counts["forged_stops_believed"] += receiver.stops();
+  counts["forged_stops_accepted"] += receiver.stops();
 }
 
 }  // namespace

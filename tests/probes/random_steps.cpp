@@ -75,8 +75,8 @@ class Stamps {
   std::int64_t last_ = 1'000'000;
 };
 
-vision::Sight sight(probes::RandomNumbers& random, std::int64_t utime) {
-  vision::Sight sight;
+vision::ObservationResult sight(probes::RandomNumbers& random, std::int64_t utime) {
+  vision::ObservationResult sight;
   if (random.below(3) == 0) {
     sight.reason = Reason::no_tag_found;
     return sight;
@@ -125,7 +125,7 @@ int main(int argc, char** argv) {
     const std::int64_t utime = stamps.next(passed_us);
     const std::int64_t known_age_us =
         ages_known && random.below(10) == 0 ? static_cast<std::int64_t>(random.bits()) >> random.below(64) : 0;
-    const vision::Sight seen = sight(random, utime);
+    const vision::ObservationResult seen = sight(random, utime);
     if (seen.observation) book.measured(now_us);
     const StepResult result = coordinator->answer(utime, seen, {now_us}, known_age_us);
     if (result.status == Status::tracking) ++book.tracked;

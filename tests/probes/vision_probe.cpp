@@ -49,7 +49,7 @@ int count_allocations() {
       const Frame frame = Frame::from_pixels(k * kPeriod_us, camera.width, camera.height,
                                              renderer.render({view}, static_cast<std::uint64_t>(k)));
       const std::int64_t before = allocations();
-      const vision::Sight sight = observer.observe(frame);
+      const vision::ObservationResult sight = observer.observe(frame);
       const std::int64_t asked = allocations() - before;
       if (!sight.observation || sight.observation->found_by != FoundBy::track) continue;
       ++tracked;
@@ -64,7 +64,8 @@ int count_allocations() {
 bool is_finite(const Observation& o) {
   return std::isfinite(o.distance_m) && std::isfinite(o.bearing_rad) && std::isfinite(o.heading_rad) &&
          o.covariance.allFinite() && o.measured.covariance.allFinite() && o.cMo.matrix().allFinite() &&
-         std::isfinite(o.heading_doubt) && std::isfinite(o.ambiguity_ratio) && std::isfinite(o.reprojection_error_px);
+         std::isfinite(o.heading_ambiguity) && std::isfinite(o.ambiguity_ratio) &&
+         std::isfinite(o.reprojection_error_px);
 }
 
 /// Mostly the next frame's; now and then the same, earlier, much later, or at either end of time.
@@ -93,7 +94,7 @@ int run_corpus(std::uint64_t seed, int frames) {
     config.detector.max_hamming = random.below(2);  // more needs gigabytes with the large families
     config.detector.min_decision_margin = random.between(0.0, 30.0);
     config.acquisition_range_m = random.between(0.5, 20.0);
-    config.gates.max_misfit = random.once_in(2) ? 1.0 : 0.12;
+    config.gates.max_normalised_residual = random.once_in(2) ? 1.0 : 0.12;
     LeaderObserver observer(camera, {}, body, config);
     ++counts["observers"];
     const CameraModel plain = plain_camera(camera.width, camera.height);
@@ -104,7 +105,7 @@ int run_corpus(std::uint64_t seed, int frames) {
       Picture picture = random.once_in(6) ? without_sense(camera.width, camera.height, random) : leader;
       if (k % 2 == 1) disturb(picture, random);
       utime = next_utime(utime, random);
-      const vision::Sight sight = observer.observe(claimed(std::move(picture), utime, random));
+      const vision::ObservationResult sight = observer.observe(claimed(std::move(picture), utime, random));
       if (!sight.observation) {
         ++counts["refused: " + std::string(to_string(sight.reason))];
         continue;

@@ -149,7 +149,7 @@ json tags_of(Detector& detector, const std::vector<vpHomogeneousMatrix>& poses) 
   return tags;
 }
 
-int look_at_tags() {
+int track_tags() {
   const json told = json::parse(std::cin);
   const std::vector<double> numbers = told.at("camera");
   CameraModel camera;
@@ -204,7 +204,7 @@ int main(int argc, char** argv) try {
   const std::string_view what = argc == 2 ? argv[1] : "";
   if (what == "conversions") return print_conversions();
   if (what == "refusals") return print_refusals();
-  if (what == "tags") return look_at_tags();
+  if (what == "tags") return track_tags();
   std::fputs("visp_probe conversions | refusals | tags\n", stderr);
   return 64;
 } catch (const std::exception& error) {

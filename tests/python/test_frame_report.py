@@ -18,7 +18,7 @@ SEEN = {
     "heading_rad": 0.01,
     "reprojection_error_px": 0.1,
     "ambiguity_ratio": 1e6,
-    "heading_doubt": 1e-9,
+    "heading_ambiguity": 1e-9,
     "found_by": "track",
     "tag_ids": [0, 2],
     "decision_margins": [150.0, 90.0],
@@ -28,20 +28,20 @@ SEEN = {
     "error_m": -1.34,
     "error_change_m": 0.0,
     "output": 0.9,
-    "trust": 0.98,
+    "feed_forward_weight": 0.98,
     "leader_radial_mps": 0.2,
     "leader_tangential_mps": 0.0,
     "leader_turn_rate_radps": 0.01,
-    "own_motion": "commanded",
-    "announcement": "silent",
+    "ego_motion": "commanded",
+    "leader_intent": "silent",
     "latency_s": 0.003,
     "latency_from_exposure": False,
 }
 UNSEEN = (
     SEEN
     | dict.fromkeys(["distance_m", "bearing_rad", "heading_rad", "reprojection_error_px", "ambiguity_ratio"])
-    | dict.fromkeys(["heading_doubt", "found_by"])
-    | dict.fromkeys(["error_m", "error_change_m", "output", "trust", "own_motion", "announcement"])
+    | dict.fromkeys(["heading_ambiguity", "found_by"])
+    | dict.fromkeys(["error_m", "error_change_m", "output", "feed_forward_weight", "ego_motion", "leader_intent"])
     | dict.fromkeys(["leader_radial_mps", "leader_tangential_mps", "leader_turn_rate_radps"])
     | {"detected": False, "tag_ids": [], "decision_margins": [], "corners_px": [], "status": "searching"}
 )

@@ -11,7 +11,7 @@ from pilotfish.cli import app
 from pilotfish.errors import ConfigError, OperatorError, SilentRobotError
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.operating import Operator, new_key
-from played_coordinator import PlayedCoordinator
+from scripted_coordinator import ScriptedCoordinator
 
 SHORT_S = 0.4  # for what is going to fail; what works takes a beat or two of 10 ms, and has three seconds
 
@@ -33,7 +33,7 @@ def run(*arguments):
 
 
 def test_stop_resume_and_a_setpoint_are_obeyed_and_shown(url):
-    with PlayedCoordinator(url) as robot:
+    with ScriptedCoordinator(url) as robot:
         operator = Operator("robot1", lcm_url=url)
         assert not operator.stop().setpoint.run
         assert operator.sent >= 3
@@ -49,7 +49,7 @@ def test_stop_resume_and_a_setpoint_are_obeyed_and_shown(url):
 
 
 def test_a_second_operator_speaks_after_the_first(url):
-    with PlayedCoordinator(url):
+    with ScriptedCoordinator(url):
         for distance_m in (1.2, 1.3, 1.4):
             status = Operator("robot1", lcm_url=url).set_setpoint(distance_m=distance_m, bearing_rad=0.0)
             assert status.setpoint.distance_m == distance_m
@@ -78,7 +78,7 @@ def test_a_stop_reaches_a_coordinator_that_says_nothing(url):
 
 
 def test_wheels_that_stay_stopped_are_no_resumed_robot(url):
-    with PlayedCoordinator(url) as robot:
+    with ScriptedCoordinator(url) as robot:
         operator = Operator("robot1", lcm_url=url)
         robot.base_stopped = True
         operator.stop()
@@ -89,7 +89,7 @@ def test_wheels_that_stay_stopped_are_no_resumed_robot(url):
 
 
 def test_wheels_that_have_not_stopped_are_no_stopped_robot(url):
-    with PlayedCoordinator(url) as robot:
+    with ScriptedCoordinator(url) as robot:
         operator = Operator("robot1", lcm_url=url)
         robot.base_stopped = False
         operator.listen()
@@ -100,7 +100,7 @@ def test_wheels_that_have_not_stopped_are_no_stopped_robot(url):
 
 
 def test_a_coordinator_that_does_not_do_it_is_quoted(url):
-    with PlayedCoordinator(url, deaf=True):
+    with ScriptedCoordinator(url, deaf=True):
         operator = Operator("robot1", lcm_url=url)
         with pytest.raises(OperatorError, match=r"stops were sent in .* robot1 says: searching: .* keeps 1.00 m"):
             operator.stop(SHORT_S)
@@ -109,7 +109,7 @@ def test_a_coordinator_that_does_not_do_it_is_quoted(url):
 
 
 def test_a_refusal_says_why(url):
-    with PlayedCoordinator(url) as robot:
+    with ScriptedCoordinator(url) as robot:
         operator = Operator("robot1", lcm_url=url)
         with pytest.raises(OperatorError, match="refused, because the distance is below its stop distance"):
             operator.set_setpoint(distance_m=0.3, bearing_rad=0.0, within_s=SHORT_S)
@@ -126,7 +126,7 @@ def test_a_refusal_says_why(url):
 
 def test_with_a_key_anyone_stops_and_only_who_has_it_resumes(url, key_file, tmp_path):
     new_key(tmp_path / "other")
-    with PlayedCoordinator(url, key=bus.load_key(str(key_file))):
+    with ScriptedCoordinator(url, key=bus.load_key(str(key_file))):
         for keys in ({}, {"key_file": tmp_path / "other"}):
             stranger = Operator("robot1", lcm_url=url, **keys)
             assert not stranger.stop().setpoint.run
@@ -142,7 +142,7 @@ def test_somebody_elses_stop_is_not_ended_by_a_setpoint_that_is_still_being_sent
         if robot.rejected:
             robot.setpoint = core.Setpoint(distance_m=1.0, run=False)
 
-    with PlayedCoordinator(url, before_beat=stop_after_a_refusal) as robot:
+    with ScriptedCoordinator(url, before_beat=stop_after_a_refusal) as robot:
         with pytest.raises(OperatorError, match="told something else in between"):
             Operator("robot1", lcm_url=url).set_setpoint(distance_m=0.3, bearing_rad=0.0)
         assert not robot.setpoint.run
@@ -163,7 +163,7 @@ def test_a_new_key_is_for_its_owner_alone_and_never_written_over_an_old_one(tmp_
 
 def test_the_commands_say_what_the_robot_says(url, key_file):
     options = ("--lcm-url", url, "--key", key_file)
-    with PlayedCoordinator(url, key=bus.load_key(str(key_file))):
+    with ScriptedCoordinator(url, key=bus.load_key(str(key_file))):
         code, said = run("setpoint", "robot1", "--distance-m", "1.1", "--bearing-deg", "-10", *options)
         assert (code, said.partition(" (after")[0]) == (
             0,

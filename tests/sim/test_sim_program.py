@@ -22,13 +22,13 @@ from pilotfish.lcmtypes.pilotfish.command_t import command_t
 from pilotfish.lcmtypes.pilotfish.setpoint_t import setpoint_t
 from pilotfish.lcmtypes.pilotfish.status_t import status_t
 from pilotfish.operating import new_key
-from played_coordinator import PlayedCoordinator as GatedCoordinator
+from scripted_coordinator import ScriptedCoordinator as GatedCoordinator
 
 LINE = shipped.path("scenarios/line.yaml")
 WITHIN_S = 30.0
 
 
-class PlayedCoordinator:
+class ScriptedCoordinator:
     """Answers every picture of robot1 with a command that depends on nothing but the picture's utime.
     `ignore(utime, copy)` says which pictures it pretends not to have got, `deaf_to` how many setpoints it does not
     obey. What it keeps and its session are in its status, all the time."""
@@ -112,9 +112,9 @@ def sim_command(url, *options, scenario=LINE):
 
 
 def play(tmp_path, *options, scenario=LINE, **played):
-    """(CompletedProcess, PlayedCoordinator, bytes of the recording)."""
+    """(CompletedProcess, ScriptedCoordinator, bytes of the recording)."""
     url, record = private_lcm_url(), tmp_path / "record.csv"
-    with PlayedCoordinator(url, **played) as coordinator:
+    with ScriptedCoordinator(url, **played) as coordinator:
         command = sim_command(url, "--record", record, *options, scenario=scenario)
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=60, check=False)
     return done, coordinator, record.read_bytes() if record.exists() else b""
@@ -159,7 +159,7 @@ def test_a_run_in_lockstep_is_the_world_with_these_commands(tmp_path):
     world = sim.World(sim.load_scenario(LINE))
     for k, row in enumerate(rows(recording)):
         world.advance_to(k / 30)
-        twist = PlayedCoordinator.answer(world.utime)
+        twist = ScriptedCoordinator.step_observation(world.utime)
         expected = sim.recording_row(world, "robot1", command=twist, status="tracking")
         assert ",".join(row.values()) == expected.strip()
         # One frame of latency: this answer acts when the next picture is taken.
@@ -186,7 +186,7 @@ def test_no_picture_goes_out_before_the_coordinator_shows_the_setpoint(tmp_path,
 
 def test_a_second_run_is_obeyed_by_the_same_coordinator(tmp_path):
     url = private_lcm_url()
-    with PlayedCoordinator(url) as coordinator:
+    with ScriptedCoordinator(url) as coordinator:
         for _ in range(2):
             command = sim_command(url, "--duration-s", "0.2", "--wait-s", "5")
             done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=60, check=False)
@@ -203,7 +203,7 @@ def test_a_coordinator_that_does_not_take_the_setpoint_is_named(tmp_path):
     assert coordinator.pictures() == []
 
 
-def test_with_a_key_the_simulator_and_the_coordinator_believe_each_other(tmp_path):
+def test_with_a_key_the_simulator_and_the_coordinator_accept_each_other(tmp_path):
     new_key(tmp_path / "key")
     key = bus.load_key(str(tmp_path / "key"))
     url = private_lcm_url()
@@ -267,7 +267,7 @@ def test_without_a_coordinator_it_gives_up_and_says_who_is_missing(tmp_path):
 @pytest.mark.parametrize("mode", ["--lockstep", "--realtime"])
 def test_a_signal_ends_it_in_order(tmp_path, mode, number):
     url, record = private_lcm_url(), tmp_path / "record.csv"
-    with PlayedCoordinator(url, heartbeat=True) as coordinator:
+    with ScriptedCoordinator(url, heartbeat=True) as coordinator:
         with Child(sim_command(url, mode, "--record", record), tmp_path, "sim") as child:
             child.wait_until(lambda: len(coordinator.pictures()) > 3, WITHIN_S, "some pictures")
             child.process.send_signal(number)

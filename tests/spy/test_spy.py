@@ -127,7 +127,7 @@ class Traffic:
         self.sent += 1
         utime = self.sent
         image = core.Frame(np.full((48, 64), 100, np.uint8), utime=utime)
-        tag = core.TagSighting(id=3, corners_px=np.ones((4, 2)))
+        tag = core.TagDetection(id=3, corners_px=np.ones((4, 2)))
         seen = core.Observation(utime=utime, distance_m=1.1, tags=[tag])
         pose = bus.PoseReport(utime=utime, x_m=1.0, y_m=2.0, heading_rad=0.3)
         self.bus.publish_image("ROBOT1_IMAGE", image)

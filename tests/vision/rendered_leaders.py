@@ -11,7 +11,7 @@ from pinhole_drawing import corners_px, leader_pose
 
 from pilotfish import sim
 from pilotfish.core import BodyTag, CameraModel, Frame, LeaderBody, Observation
-from pilotfish.vision import LeaderObserver, LeaderObserverConfig, TagMeasurement, look_at_tag
+from pilotfish.vision import LeaderObserver, LeaderObserverConfig, TagMeasurement, track_tag
 
 CAMERA = CameraModel(width=640, height=480, fx=600, fy=600, cx=319.5, cy=239.5)
 TAG = BodyTag(id=3, size_m=0.16)
@@ -66,7 +66,7 @@ def observer(body: LeaderBody = BODY, camera: CameraModel = CAMERA, **config) ->
 
 def look(image: np.ndarray, guess_px: np.ndarray, *, tag: BodyTag = TAG, camera: CameraModel = CAMERA, **options):
     """The TagMeasurement of that tag near those corners, or the TagRefusal."""
-    return look_at_tag(image, camera=camera, id=tag.id, corners_px=guess_px, **options)
+    return track_tag(image, camera=camera, id=tag.id, corners_px=guess_px, **options)
 
 
 def found(answer) -> bool:
@@ -101,7 +101,7 @@ def bits_of(seen: Observation | None) -> tuple | None:
         seen.distance_m,
         seen.bearing_rad,
         seen.heading_rad,
-        seen.heading_doubt,
+        seen.heading_ambiguity,
         seen.ambiguity_ratio,
         seen.found_by,
         seen.covariance.tobytes(),

@@ -97,7 +97,7 @@ def test_without_the_filter_the_heading_would_flip(sequences, name):
 
 @pytest.mark.parametrize("name", ["head-on", "far"])
 def test_both_solutions_are_kept_while_they_are_ambiguous(sequences, name):
-    # At these ranges a plane nearly always has two; the one that is not believed is the tag mirrored about the line of
+    # At these ranges a plane nearly always has two; the one that is not accepted is the tag mirrored about the line of
     # sight, so both are about equally far away: to the size of the tag, 0.16 m.
     observations = [o for seen in sequences[name] for _, o in seen]
     ambiguous = [o for o in observations if o.ambiguity_ratio < 2.0]
@@ -128,8 +128,8 @@ def test_doubt_fades_as_evidence_comes_in():
     first, later = [], []
     for seed in range(4):
         seen = watched(lambda k: (5.0, 0.0, np.radians(20)), 10 + seed, frames=30)
-        first += [o.heading_doubt for _, o in seen[:3]]
-        later += [o.heading_doubt for _, o in seen[-3:]]
+        first += [o.heading_ambiguity for _, o in seen[:3]]
+        later += [o.heading_ambiguity for _, o in seen[-3:]]
     assert all(0.0 <= doubt <= 1.0 for doubt in first + later)
     assert np.mean(first) > 10 * np.mean(later)
     assert np.mean(later) < 0.05
@@ -142,5 +142,5 @@ def test_a_second_plane_ends_the_ambiguity():
     for truth, o in seen:
         assert o.other_cMo is None
         assert o.ambiguity_ratio == 1e6
-        assert o.heading_doubt < 1e-6
+        assert o.heading_ambiguity < 1e-6
         assert abs(error_of(o, truth)[2]) < np.radians(2)

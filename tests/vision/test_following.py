@@ -86,7 +86,9 @@ def test_the_filter_makes_no_heading_worse(drives, distance):
     later = drives[distance][10:]
     alone = [error_of(o.measured, truth)[2] for truth, o, _ in later]
     fused = [error_of(o, truth)[2] for truth, o, _ in later]
-    assert all(o.covariance[2, 2] <= o.measured.covariance[2, 2] * 1.001 for _, o, _ in later if o.heading_doubt < 1e-6)
+    assert all(
+        o.covariance[2, 2] <= o.measured.covariance[2, 2] * 1.001 for _, o, _ in later if o.heading_ambiguity < 1e-6
+    )
     assert np.sqrt(np.mean(np.square(fused))) <= 1.05 * np.sqrt(np.mean(np.square(alone)))
 
 
@@ -127,7 +129,7 @@ def test_after_half_a_second_the_whole_frame_is_searched(missing, found_by):
     assert back.distance_m == pytest.approx(1.1, abs=0.005)
 
 
-def test_a_leader_that_cannot_have_moved_so_far_is_refused_and_believed_again_later():
+def test_a_leader_that_cannot_have_moved_so_far_is_refused_and_accepted_again_later():
     # From 1.1 to 2.5 m: 0.1 m of slack and 4 m/s allow it after (1.4 - 0.1) / 4 = 0.325 s, which is frame 10 after the
     # last sighting; before that every frame is refused.
     eye = observer()

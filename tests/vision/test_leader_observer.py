@@ -13,7 +13,7 @@ CAMERA = CameraModel(width=640, height=480, fx=600, fy=600, cx=319.5, cy=239.5)
 TAG = BodyTag(id=3, size_m=0.16)
 BODY = LeaderBody([TAG])
 REAL = Photography(blur_sigma_px=0.7, noise_sigma=3.0)
-# What fitting the whole print leaves of noise of 3 gray levels: an edge one pixel long is placed to
+# What fitting the whole template leaves of noise of 3 gray levels: an edge one pixel long is placed to
 # 3 / 185 sqrt(2 sqrt(pi) 0.76) = 0.027 px (the ramp's slope is 185 grays over its blur of 0.76 px); a corner hangs on
 # two sides of some 20 px of edge each, at least: 0.027 / sqrt(20) = 0.006 px, and the shape of the blur adds as much.
 CORNER_SIGMA_PX = 0.02
@@ -139,15 +139,15 @@ def test_two_planes_give_a_better_heading_and_no_ambiguity():
         ]
     )
     errors, ratios = {"flat": [], "roof": []}, {"flat": [], "roof": []}
-    eyes = {"flat": observer(), "roof": observer(body=roof)}
+    vision = {"flat": observer(), "roof": observer(body=roof)}
     rng = np.random.default_rng(4)
     for i in range(12):
         heading = rng.uniform(-0.1, 0.1)
         cMo = leader_at(3.0, rng.uniform(-0.1, 0.1), heading)
         for name, tags in (("flat", [TAG]), ("roof", roof.tags)):
             image = picture([(tag, cMo) for tag in tags], replace(REAL, seed=i))
-            eyes[name].forget()
-            found = eyes[name].observe(Frame(image, utime=i)).observation
+            vision[name].forget()
+            found = vision[name].observe(Frame(image, utime=i)).observation
             errors[name].append(abs(found.heading_rad - heading))
             ratios[name].append(found.ambiguity_ratio)
     # A flat tag sometimes has one wide minimum instead of two; then only the covariance tells. But it cannot
@@ -167,9 +167,9 @@ def test_strong_distortion_is_taken_out():
         truth = np.array([1.1, bearing])
         cMo = leader_at(1.1, bearing, bearing + np.radians(30), rng.uniform(-0.2, 0.2))
         frame = Frame(picture([(TAG, cMo)], replace(REAL, seed=i), bent), utime=i)
-        for eye_of, into in ((eye, errors), (naive, naive_errors)):
-            eye_of.forget()
-            found = eye_of.observe(frame).observation
+        for tracker_of, into in ((eye, errors), (naive, naive_errors)):
+            tracker_of.forget()
+            found = tracker_of.observe(frame).observation
             into.append(np.abs([found.distance_m, found.bearing_rad] - truth))
     # As in the distance test, 95 % within 2.5 x 0.71 x 0.12 px x d^2 / (f s); the bearing within half a
     # pixel.
@@ -220,7 +220,7 @@ def test_a_foreign_tag_is_counted_and_not_followed():
     assert eye.rejected.foreign_id == 2
 
 
-def test_an_id_seen_twice_is_believed_neither_time():
+def test_an_id_seen_twice_is_accepted_neither_time():
     twins = [(TAG, leader_at(1.5, 0.2, 0.0)), (TAG, leader_at(1.5, -0.2, 0.0))]
     eye = observer()
     sight = eye.observe(Frame(picture(twins), utime=1))

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pinhole_drawing import corners_px, leader_pose, pose, rotation
 
-from pilotfish.core import BodyTag, CameraModel, LeaderBody, Reason, TagSighting
-from pilotfish.vision import LeaderPoseConfig, estimate_leader_pose, judge
+from pilotfish.core import BodyTag, CameraModel, LeaderBody, Reason, TagDetection
+from pilotfish.vision import LeaderPoseConfig, check_pose, estimate_leader_pose
 
 PINHOLE = CameraModel(width=640, height=480, fx=600, fy=610, cx=319.5, cy=239.5)
 WIDE = CameraModel(
@@ -30,7 +30,7 @@ def sightings(camera, body, cMo, sigma_px=0.0, rng=None):
         corners = corners_px(camera, cMo, tag)
         if sigma_px > 0:
             corners = corners + rng.normal(0, sigma_px, (4, 2))
-        tags.append(TagSighting(id=tag.id, corners_px=corners))
+        tags.append(TagDetection(id=tag.id, corners_px=corners))
     return tags
 
 
@@ -129,7 +129,7 @@ def test_the_pose_with_the_smaller_error_wins():
 
 
 def sighting(corners, tag_id=0):
-    return TagSighting(id=tag_id, corners_px=np.array(corners, float))
+    return TagDetection(id=tag_id, corners_px=np.array(corners, float))
 
 
 @pytest.mark.parametrize(
@@ -160,7 +160,7 @@ def test_what_cannot_be_a_leader_gives_no_pose(tags):
 def test_corners_that_no_square_can_have_give_no_credible_pose(corners):
     tags = [sighting(corners)]
     estimate = estimate_leader_pose(camera=PINHOLE, body=SINGLE, tags=tags)
-    assert estimate is None or judge(pose=estimate, body=SINGLE, tags=tags) != Reason.none
+    assert estimate is None or check_pose(pose=estimate, body=SINGLE, tags=tags) != Reason.none
 
 
 def test_the_gates_are_reprojection_error_and_distance():
@@ -176,7 +176,7 @@ def test_the_gates_are_reprojection_error_and_distance():
         (LeaderPoseConfig(max_distance_m=1.6), Reason.tag_size_implausible),
         (LeaderPoseConfig(min_distance_m=2.0), Reason.tag_size_implausible),
     ]:
-        assert judge(pose=estimate, body=SINGLE, tags=tags, config=config) == reason
+        assert check_pose(pose=estimate, body=SINGLE, tags=tags, config=config) == reason
 
 
 def test_an_estimate_is_the_same_bits_every_time():

@@ -12,7 +12,7 @@ from pilotfish.core import BodyTag, LeaderBody
 from pilotfish.vision import TagDetector, TagFamily, TagGates
 
 FAMILY = TagFamily("tag36h11")
-LOOSE = TagGates(max_misfit=1.0)  # so that it is the bits that refuse, and nothing that comes behind them
+LOOSE = TagGates(max_normalised_residual=1.0)  # so that it is the bits that refuse, and nothing that comes behind them
 OTHER_FAMILIES = ["tag36h10", "tag25h9", "tag16h5", "tagStandard41h12", "tagStandard52h13", "tagCircle49h12"]
 
 
@@ -59,7 +59,7 @@ def sheet(data):
     return cells
 
 
-def test_the_drawing_of_sheets_is_good_enough_to_be_believed():
+def test_the_drawing_of_sheets_is_good_enough_to_be_accepted():
     # What is refused below is refused for its bits: the leader's own sheet, drawn the same way, is seen.
     rng = np.random.default_rng(1)
     seen = 0

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rendered_leaders import BODY, CAMERA, TAG, frame, leader_at, look, observer, render, true_corners
 
-from pilotfish.core import BodyTag, LeaderBody, Reason, TagSighting
+from pilotfish.core import BodyTag, LeaderBody, Reason, TagDetection
 from pilotfish.vision import (
     LeaderPoseConfig,
     TagDetectorConfig,
@@ -22,7 +22,7 @@ COUNTERS = [
     "frames_invalid",
     "hamming",
     "margin",
-    "misfit",
+    "residual",
     "foreign_id",
     "duplicate_id",
     "outside_frame",
@@ -140,7 +140,7 @@ def test_a_tag_with_wrong_bits(cells, allowed):
     image = with_cell_flipped(leader_at(1.1), cells)
     assert refused(image) == (Reason.tag_refused, {"hamming": 1})
     # The same picture with so many corrected bits allowed: nothing else is wrong with it.
-    eye = observer(detector=TagDetectorConfig(max_hamming=allowed), gates=TagGates(max_misfit=1.0))
+    eye = observer(detector=TagDetectorConfig(max_hamming=allowed), gates=TagGates(max_normalised_residual=1.0))
     assert eye.observe(frame(image, 0)).reason == Reason.none
     # Followed, it is refused for the same reason as found.
     eye = observer()
@@ -165,14 +165,14 @@ def test_a_tag_with_too_little_contrast(followed):
 
 
 def test_a_tag_of_which_something_else_explains_too_much():
-    # Coarse stripes of 20 % of the contrast on the print, as a shadow of leaves: all bits can be read, and the
-    # RMS of what the print does not explain is some 0.14 of the contrast where 0.12 are allowed.
+    # Coarse stripes of 20 % of the contrast on the template, as a shadow of leaves: all bits can be read, and the
+    # RMS of what the template does not explain is some 0.14 of the contrast where 0.12 are allowed.
     clean = picture(noise_sigma=0.0).astype(float)
     columns, rows = np.meshgrid(np.arange(clean.shape[1]), np.arange(clean.shape[0]))
     stripes = 0.2 * 190 * np.sign(np.sin(0.55 * columns + 0.4 * rows))
     image = np.clip(np.rint(0.7 * (clean - 120) + 120 + 0.7 * stripes), 0, 255).astype(np.uint8)
-    assert refused(image) == (Reason.tag_refused, {"misfit": 1})
-    assert observer(gates=TagGates(max_misfit=0.3)).observe(frame(image, 0)).reason == Reason.none
+    assert refused(image) == (Reason.tag_refused, {"residual": 1})
+    assert observer(gates=TagGates(max_normalised_residual=0.3)).observe(frame(image, 0)).reason == Reason.none
 
 
 def test_tags_that_do_not_hang_as_the_body_says():
@@ -188,7 +188,7 @@ def test_a_tag_behind_the_camera_or_seen_through_its_back():
     # on its front (facing 0) would look away from a camera behind the leader, and one that hangs 2 m nearer than the
     # leader's origin would be behind a camera 1.5 m away.
     def sighting(tag_id, corners):
-        return TagSighting(id=tag_id, corners_px=corners)
+        return TagDetection(id=tag_id, corners_px=corners)
 
     cMo = leader_at(1.5)
     seen = sighting(TAG.id, true_corners(cMo))
@@ -221,7 +221,7 @@ def test_what_is_refused_when_followed_but_accepted_when_found_is_not_counted():
 
 
 def test_a_tag_half_hidden_is_refused_and_not_moved():
-    # A plain patch over half of the print: bits are wrong, or nothing like it is there; never a measurement.
+    # A plain patch over half of the template: bits are wrong, or nothing like it is there; never a measurement.
     cMo = leader_at(*HERE)
     corners = true_corners(cMo)
     for share in (0.3, 0.5, 0.8):
@@ -229,7 +229,7 @@ def test_a_tag_half_hidden_is_refused_and_not_moved():
         last = corners[:, 0].min() - 12 + share * (np.ptp(corners[:, 0]) + 24)
         image[:, : int(last)] = 128
         answer = look(image, corners)
-        assert answer in (TagRefusal.not_found, TagRefusal.hamming, TagRefusal.misfit, TagRefusal.margin)
+        assert answer in (TagRefusal.not_found, TagRefusal.hamming, TagRefusal.residual, TagRefusal.margin)
 
 
 def test_the_counters_of_a_drive_are_the_sum_of_its_refusals():

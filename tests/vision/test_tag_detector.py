@@ -63,7 +63,7 @@ def test_every_family_reads_its_own_first_and_last_tag(family):
         assert np.abs(found[0].corners_px - corners_px(CAMERA, cMo, tag)).max() < 1.0
 
 
-def test_a_flipped_bit_is_refused_unless_one_corrected_bit_is_believed():
+def test_a_flipped_bit_is_refused_unless_one_corrected_bit_is_accepted():
     picture = flat_picture(tag_id=7, flipped_cells=[(4, 4)])
     refused = TagDetector(config=TagDetectorConfig(max_hamming=0)).detect(picture)
     assert (refused.tags, refused.refused_hamming, refused.refused_ids) == ([], 1, [7])

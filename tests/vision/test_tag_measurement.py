@@ -1,4 +1,4 @@
-"""look_at_tag: the corners are where the geometry puts them, as exactly as it says, whatever family, lens and light.
+"""track_tag: the corners are where the geometry puts them, as exactly as it says, whatever family, lens and light.
 
 Most pictures are the simulator's, whose edges are exact means over the pixels' areas. Noise is 3 gray levels on a
 contrast of 190 unless told otherwise. What limits a corner: along an edge of n pixels, blurred with sigma = 0.76 px
@@ -94,7 +94,7 @@ def test_where_cells_are_as_small_as_the_blur_the_covariance_errs_on_the_safe_si
 def test_a_tag_seen_from_the_side_is_used_from_top_to_bottom(distance, heading_deg):
     # Cells of 2.5 to 3.1 px by 5 to 6: more pixels than there is room for, so some are left out. Were it the last rows,
     # the lower corners would be extrapolated and unsure, 1.4 to 2.9 times as much as the upper ones; as it is evenly,
-    # only the print's own unevenness is left.
+    # only the template's own unevenness is left.
     cMo = leader_at(distance, heading_rad=np.radians(heading_deg))
     truth, ratios = true_corners(cMo), []
     for k in range(8):

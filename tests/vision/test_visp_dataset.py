@@ -21,7 +21,7 @@ from PIL import Image
 from pinhole_drawing import corners_px
 
 from pilotfish.core import BodyTag, CameraModel, Frame, LeaderBody
-from pilotfish.vision import LeaderObserver, TagDetector, TagDetectorConfig, estimate_leader_pose, look_at_tag
+from pilotfish.vision import LeaderObserver, TagDetector, TagDetectorConfig, estimate_leader_pose, track_tag
 
 DATA = Path("/usr/share/visp-images-data/ViSP-images/AprilTag/benchmark")
 pytestmark = pytest.mark.skipif(
@@ -103,7 +103,7 @@ def test_every_family_is_read_and_its_print_found(size, name):
     tags = TagDetector(family).detect(image).tags
     assert [tag.id for tag in tags] == [0, 1, 2, 3, 4]
     for tag in tags:
-        answer = look_at_tag(image, camera=camera(size), family=family, id=tag.id, corners_px=tag.corners_px)
+        answer = track_tag(image, camera=camera(size), family=family, id=tag.id, corners_px=tag.corners_px)
         assert (tag.hamming, answer.tag.hamming) == (0, 0)
         assert np.abs(answer.tag.corners_px - tag.corners_px).max() < 0.7
 
@@ -131,7 +131,7 @@ def seen_both_ways(size):
     """{id: (libapriltag's sighting, ours)}: ours starts from libapriltag's corners."""
     image, tags = picture(size), TagDetector().detect(picture(size)).tags
     return {
-        tag.id: (tag, look_at_tag(image, camera=camera(size), id=tag.id, corners_px=tag.corners_px).tag) for tag in tags
+        tag.id: (tag, track_tag(image, camera=camera(size), id=tag.id, corners_px=tag.corners_px).tag) for tag in tags
     }
 
 
@@ -160,7 +160,7 @@ def test_the_fitted_print_is_at_least_twice_as_exact_as_the_detectors_corners():
 
 def test_the_small_picture_disagrees_with_its_truth_for_everybody():
     # The mean over a tag's corners says where the tag is. Two methods that share no step - libapriltag's lines through
-    # gradients, our fit of the whole print - find the same offset to 0.1 px where it is three times that.
+    # gradients, our fit of the whole template - find the same offset to 0.1 px where it is three times that.
     farthest_px = {}
     for size in FOCAL_PX:
         both = seen_both_ways(size).values()

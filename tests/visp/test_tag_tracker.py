@@ -164,7 +164,7 @@ def test_what_cannot_be_used_is_refused_by_name_and_pictures_that_cannot_have_no
     assert said["no_such_tag"]
 
 
-def test_an_id_that_is_twice_in_a_picture_is_not_believed():
+def test_an_id_that_is_twice_in_a_picture_is_not_accepted():
     (both,) = show([[pose(-0.2), pose(0.2)]], ids=(5, 5))
     assert ids_of(both["ours"]) == []
     assert ids_of(both["visp"]) == [5, 5]

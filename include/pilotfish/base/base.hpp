@@ -56,14 +56,14 @@ std::string_view to_string(BaseState state) noexcept;
 /// What the wheels are to be told, and why.
 struct BaseOutput {
   BaseState state = BaseState::waiting;  ///< what the wheels' process is doing
-  Twist told;                            ///< behind every limit; zero unless `driving`
+  Twist command;                         ///< behind every limit; zero unless `driving`
   std::int64_t obeys = 0;                ///< 0: nobody
 };
 
 /// Everything that decides what the wheels are told, without a clock, a bus or a line:
 ///
-///   told = limit(command) if the driver works, no stop is latched and a good command is young enough; else zero, at
-///   once.
+///   command = limit(last good command) if the driver works, no stop is latched and a good command is young enough;
+///   else zero, at once.
 ///
 /// Ask step() at every period, with every message, and at deadline().
 class Base {
@@ -75,9 +75,9 @@ class Base {
   static void check(const BaseConfig& config);
 
   /// A command that reached this host at `arrived` is heard at `now`.
-  CommandVerdict hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept;
+  CommandVerdict receive(const ReceivedCommand& command, MonotonicTime arrived, MonotonicTime now) noexcept;
   /// A setpoint, of which only stop and resume concern the wheels.
-  LatchVerdict hear(const SetpointHeard& setpoint, MonotonicTime now) noexcept;
+  LatchVerdict receive(const ReceivedSetpoint& setpoint, MonotonicTime now) noexcept;
   /// The driver can or cannot be reached.
   void driver_works(bool works) noexcept { driver_works_ = works; }
 

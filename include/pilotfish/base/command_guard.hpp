@@ -15,7 +15,7 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// A command as it came off the bus, where its mac has been checked.
-struct CommandHeard {
+struct ReceivedCommand {
   std::int64_t session = 0;       ///< the sender's; 0: nobody's
   std::int64_t counter = 0;       ///< rises within a session
   std::int64_t base_session = 0;  ///< of the wheels' process that the sender has heard
@@ -59,7 +59,7 @@ class CommandGuard {
   CommandGuard(const CommandGuardConfig& config, std::int64_t own_session, bool simulated_allowed);
 
   /// `arrived`: when it reached this host, as far as that is known; not after `now`.
-  CommandVerdict hear(const CommandHeard& command, MonotonicTime arrived, MonotonicTime now) noexcept;
+  CommandVerdict receive(const ReceivedCommand& command, MonotonicTime arrived, MonotonicTime now) noexcept;
 
   /// What is to be done at `now`: the last good command, for max_command_age_s after its arrival. Nothing afterwards.
   std::optional<Twist> command_at(MonotonicTime now) noexcept;

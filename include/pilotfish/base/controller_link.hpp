@@ -10,9 +10,9 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
-/// Whether the motor controller hears us. What proves it is its echo of a sequence number that was sent not long ago: a
-/// controller that talks but does not listen, a line of which one wire is broken and old lines out of a full buffer do
-/// not.
+/// Whether the motor controller receives our lines. What proves it is its echo of a sequence number that was sent not
+/// long ago: a controller that talks but does not listen, a line of which one wire is broken and old lines out of a
+/// full buffer do not.
 class ControllerLink {
  public:
   /// An echo proves for timeout_s that the controller listens.

@@ -18,7 +18,7 @@ namespace pilotfish::base {
 //
 // Whatever comes after a $ is a new line, finished or not, so that a line cut short costs itself and nothing else.
 
-/// Longest line that either side sends or believes, from $ to the checksum.
+/// Longest line that either side sends or accepts, from $ to the checksum.
 inline constexpr std::size_t kMaxLine = 80;
 /// Set-points are whole milliradians per second; more than this is never sent.
 inline constexpr std::int32_t kMaxWheel_mradps = 1'000'000;
@@ -55,7 +55,7 @@ struct ControllerLine {
   std::uint16_t faults = 0;    ///< bits: 1 watchdog, 2 motor, 4 overcurrent, 8 encoder, 16 supply, 32 emergency stop
 };
 
-/// Bytes in, lines out. Never believes a length, never asks for memory.
+/// Bytes in, lines out. Never relies on a length, never asks for memory.
 class ControllerParser {
  public:
   /// What was no good line, by reason.

@@ -9,23 +9,23 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
 /// A setpoint as it came off the bus; only what concerns the wheels.
-struct SetpointHeard {
+struct ReceivedSetpoint {
   std::int64_t session = 0;  ///< of the coordinator it is meant for
   std::int64_t counter = 0;  ///< rises within a session
   bool run = false;          ///< false: stop
 };
 
 enum class LatchVerdict {
-  stopped,        ///< the wheels stand until they are resumed
-  resumed,        ///< a stop has ended
-  noted,          ///< running already; its counter cannot be used again
-  other_session,  ///< to run, for a session that is not obeyed
-  replayed,       ///< to run, with a counter that is not higher than all before
+  stopped,          ///< the wheels stand until they are resumed
+  resumed,          ///< a stop has ended
+  already_running,  ///< running already; its counter cannot be used again
+  other_session,    ///< to run, for a session that is not obeyed
+  replayed,         ///< to run, with a counter that is not higher than all before
 };
 /// "resume_other_session", "resume_replayed", ...: at most 24 letters.
 std::string_view to_string(LatchVerdict verdict) noexcept;
 
-/// A stop is believed from anyone and lasts. Only a message to run that names the obeyed session, with a counter that
+/// A stop is accepted from anyone and lasts. Only a message to run that names the obeyed session, with a counter that
 /// rises (and a right mac where a key is configured: the bus checks that), ends it. A stop with such a number uses it
 /// up, so that a message to run that was recorded before a genuine stop, and got lost on its way here, cannot be played
 /// after it.
@@ -35,7 +35,7 @@ class StopLatch {
   explicit StopLatch(bool stopped = false) : stopped_(stopped) {}
 
   /// `obeyed`: the session whose commands are obeyed now; 0: nobody's, and then nobody can resume.
-  LatchVerdict hear(const SetpointHeard& setpoint, std::int64_t obeyed) noexcept;
+  LatchVerdict receive(const ReceivedSetpoint& setpoint, std::int64_t obeyed) noexcept;
   bool stopped() const noexcept { return stopped_; }  ///< the wheels stand until they are resumed
 
  private:

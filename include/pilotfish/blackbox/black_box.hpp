@@ -53,10 +53,10 @@ class BlackBox {
   void frame(const Frame& frame, MonotonicTime now, const StepResult& result, const Coordinator& core) noexcept;
   /// Coordinator::set_setpoint(), and what it returned.
   void setpoint(const Setpoint& setpoint, bool taken, const Coordinator& core) noexcept;
-  /// Coordinator::set_own_motion(), and what it returned.
-  void own_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
-  /// Coordinator::set_announced_motion(), and what it returned.
-  void announced_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
+  /// Coordinator::set_ego_motion(), and what it returned.
+  void ego_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
+  /// Coordinator::set_leader_intent(), and what it returned.
+  void leader_intent(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
 
   // From any thread.
 

@@ -87,11 +87,11 @@ struct StatusReport {
   std::int64_t session = 0;           ///< the coordinator's
   std::int64_t setpoint_counter = 0;  ///< of the last setpoint accepted in this session
   Setpoint setpoint;                  ///< Setpoint that is kept
-  double trust = 0.0;                 ///< share of the feed-forward in the command
+  double feed_forward_weight = 0.0;   ///< share of the feed-forward in the command
   /// The leader's own speed along the line of sight, across it (to the left), and its turn rate.
   double leader_radial_mps = 0.0, leader_tangential_mps = 0.0, leader_turn_rate_radps = 0.0;
-  std::int8_t own_motion = 0;          ///< status_t's OWN_MOTION_ numbers
-  std::int8_t announcement = 0;        ///< status_t's ANNOUNCEMENT_ numbers
+  std::int8_t ego_motion = 0;          ///< status_t's EGO_MOTION_ numbers
+  std::int8_t leader_intent = 0;       ///< status_t's LEADER_INTENT_ numbers
   double frame_rate_hz = 0.0;          ///< rate at which frames come [Hz]
   double processing_ms = 0.0;          ///< time spent on this frame [ms]
   double latency_s = 0.0;              ///< to the command, over the last frames

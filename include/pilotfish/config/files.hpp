@@ -44,7 +44,7 @@ enum class Odometry {
 Odometry odometry_from(std::string_view name);
 
 /// A leader's name on the bus; empty for "none". Throws ConfigError if it is no name.
-std::string announcements_from(const std::string& name);
+std::string leader_intent_from(const std::string& name);
 
 /// The ring of files in which everything is kept that a replay needs; see blackbox/black_box.hpp.
 struct BlackBoxConfig {
@@ -60,7 +60,7 @@ struct CoordinatorFile {
   std::string name = "robot1";         ///< the robot's name on the bus
   std::string source = "lcm";          ///< where frames come from, unless --source says otherwise
   Odometry odometry = Odometry::none;  ///< where the own twist is measured
-  std::string announcements_from;      ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
+  std::string leader_intent_from;      ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
   std::string key_file;                ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;    ///< expected of the source; 1/T of the law unless control_period_s says otherwise
   BlackBoxConfig black_box;       ///< where and how much is recorded

@@ -10,7 +10,7 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// A controller written in fuzzylite's language (FLL, as of fuzzylite 6 and pyfuzzylite 8): one engine of two inputs,
-/// the error first and its change second, one output and one rule block. Not yet proved. Throws ConfigError with the
+/// the error first and its change second, one output and one rule block. Not yet validated. Throws ConfigError with the
 /// line for everything that this law does not do, rather than leave it out: only Triangle, Trapezoid, Ramp, Rectangle,
 /// Binary and Gaussian terms of height 1; Minimum, Maximum and Centroid; one rule without hedge, `or` or weight for
 /// each cell. `default` and `lock-previous` may say anything (some rule fires for every input), and so may the

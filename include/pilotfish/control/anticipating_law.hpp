@@ -17,11 +17,11 @@ struct AnticipateConfig {
   double error_change_scale_m = 0.1;
   double velocity_scale_mps = 0.6;
   double heading_gain_per_s = 6.0;
-  double trusted_sigma_mps = 0.1;   ///< standard deviation of the leader's velocity at which it counts half
-  double minimum_distance_m = 0.4;  ///< d_min: never so fast that it could not stop before
-  double safety_sigmas = 3.0;       ///< k: the distance counts as shorter by so many standard deviations
-  double guard_time_s = 0.5;        ///< in which the leader would leave the picture; see keep_in_view
-  double ease_time_s = 0.1;         ///< with which the top speed is approached; see eased_speed
+  double half_weight_sigma_mps = 0.1;  ///< standard deviation of the leader's velocity at which it counts half
+  double minimum_distance_m = 0.4;     ///< d_min: never so fast that it could not stop before
+  double safety_sigmas = 3.0;          ///< k: the distance counts as shorter by so many standard deviations
+  double guard_time_s = 0.5;           ///< in which the leader would leave the picture; see keep_in_view
+  double ease_time_s = 0.1;            ///< with which the top speed is approached; see eased_speed
   static const std::vector<Parameter<AnticipateConfig>>& parameters();
 };
 
@@ -37,8 +37,8 @@ struct Reaction {
   double delay_s = 0.0;  ///< latency and lag together
 };
 
-/// How far the leader's estimated velocity is believed: 1 / (1 + (sigma / trusted)^2), in (0, 1].
-double trust(const AnticipateConfig& config, const LeaderMotion& leader) noexcept;
+/// How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].
+double feed_forward_weight(const AnticipateConfig& config, const LeaderMotion& leader) noexcept;
 
 /// The wanted twist for the leader as predicted for the moment at which the command has taken effect; `own` is the
 /// twist of the robot at that moment if nothing changed. Not yet limited.

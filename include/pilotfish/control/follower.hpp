@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "pilotfish/api.hpp"
-#include "pilotfish/control/announced_motion.hpp"
 #include "pilotfish/control/anticipating_law.hpp"
+#include "pilotfish/control/ego_motion.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/heading_controller.hpp"
 #include "pilotfish/control/law.hpp"
+#include "pilotfish/control/leader_intent.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
-#include "pilotfish/control/own_motion.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
@@ -46,7 +46,7 @@ struct FollowerConfig {
   std::string active_law = kFuzzyLaw;                  ///< or the name of one of `laws`
   std::vector<LawDescription> laws = built_in_laws();  ///< what may drive instead of the fuzzy law
   FieldOfView view;                                    ///< of the camera, for the guard of `anticipate`
-  AnnouncementConfig announcement;                     ///< how much a leader's own word counts
+  LeaderIntentConfig leader_intent;                    ///< how much a leader's own word counts
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp; those of `laws` come besides
@@ -57,7 +57,7 @@ struct FollowerConfig {
     visit("anticipate", &C::anticipate);
     visit("leader_motion", &C::leader_motion);
     visit("drive", &C::drive);
-    visit("announcement", &C::announcement);
+    visit("leader_intent", &C::leader_intent);
   }
 };
 
@@ -76,18 +76,19 @@ struct FollowerOutput {
   VelocityCommand velocity;
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
   std::optional<LeaderMotion> leader;
-  double trust = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
-  OwnMotionSource own_motion = OwnMotionSource::commanded;  ///< where the own motion was taken from
-  AnnouncementUse announcement = AnnouncementUse::silent;   ///< what the leader's word was worth
+  double feed_forward_weight = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
+  EgoMotionSource ego_motion = EgoMotionSource::commanded;  ///< where the own motion was taken from
+  LeaderIntentUse leader_intent = LeaderIntentUse::silent;  ///< what the leader's word was worth
 };
 
 /// The way into this module: Observation in, Twist out. Time comes from the observations.
 ///
 ///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
-///   anticipate  own commands, odometry --> OwnMotion --+
+///   anticipate  own commands, odometry --> EgoMotion --+
 ///               observation ---------------------------+--> LeaderMotionEstimator --> prediction --> anticipate()
-///               announcement --> AnnouncedMotion: judged by that estimate, may slow the prediction down
-///                                                 --> blended with the paper's command by trust --> guards --> limits
+///               leader_intent --> LeaderIntent: judged by that estimate, may slow the prediction down
+///                                                 --> blended with the paper's command by feed_forward_weight -->
+///                                                 guards --> limits
 class Follower {
  public:
   /// Throws ConfigError if any parameter is out of range.
@@ -98,11 +99,9 @@ class Follower {
 
   /// What odometry measured of this robot, and what the leader says of itself; times as those of the observations.
   /// False, and nothing changes, if it cannot be used. Never needed; profile `anticipate` alone listens.
-  bool set_own_motion(std::int64_t utime, const Twist& twist) noexcept { return own_.measured(utime, twist); }
-  /// The leader's own word; as set_own_motion().
-  bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept {
-    return announced_.announce(utime, twist);
-  }
+  bool set_ego_motion(std::int64_t utime, const Twist& twist) noexcept { return own_.measured(utime, twist); }
+  /// The leader's own word; as set_ego_motion().
+  bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.announce(utime, twist); }
 
   /// Forget the past: from since_utime on the robot is told to stand still. The next follow() starts with ec = 0 from
   /// rest; dead reckoning goes on, because the wheels still have to come to rest.
@@ -112,7 +111,7 @@ class Follower {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.own_, self.leader_, self.announced_, self.last_utime_, self.last_error_m_, self.last_command_);
+    archive(self.own_, self.leader_, self.intent_, self.last_utime_, self.last_error_m_, self.last_command_);
     if (self.other_law_) self.other_law_->remember(archive);
   }
 
@@ -130,10 +129,10 @@ class Follower {
   std::int64_t acts_utime(std::int64_t utime) const;
 
   FollowerConfig config_;
-  OwnMotion own_;
+  EgoMotion own_;
   std::unique_ptr<Law> other_law_;  ///< that drives instead of the fuzzy one; none: the fuzzy one drives
   LeaderMotionEstimator leader_;
-  AnnouncedMotion announced_;
+  LeaderIntent intent_;
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;
   Twist last_command_;

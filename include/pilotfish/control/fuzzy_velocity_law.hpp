@@ -31,8 +31,8 @@ struct VelocityCommand {
 /// so ec is taken as the error's rate over the REAL time between two measurements, times T; at the nominal rate this is
 /// the paper's difference. Without a previous measurement ec = 0.
 ///
-/// With input_sigmas = k > 0 the inputs are as wide as they are uncertain: A' is a bell around e of sigma k sigma_d,
-/// and B' one around ec of k sqrt(2) sigma_d T/dt, the sigma of the difference of two independent distances.
+/// With input_sigmas = k > 0 the inputs are as wide as they are uncertain: A' is a Gaussian around e of sigma k
+/// sigma_d, and B' one around ec of k sqrt(2) sigma_d T/dt, the sigma of the difference of two independent distances.
 /// distance_sigma_m: of distance_m, from its covariance. One that is not finite counts as 0.
 VelocityCommand fuzzy_velocity(const fuzzy::Controller& controller, const FuzzyVelocityConfig& config,
                                double distance_setpoint_m, double distance_m, std::optional<double> previous_error_m,

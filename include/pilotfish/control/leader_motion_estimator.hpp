@@ -14,12 +14,12 @@ namespace pilotfish::control {
 /// How leaders move. Each of the three is a random walk of the velocity and of the turn rate: in a time t they change
 /// by about sigma * sqrt(t).
 struct LeaderMotionConfig {
-  double calm_velocity_sigma = 0.0008;  ///< [m/s per sqrt(s)]
-  double calm_turn_sigma = 0.05;        ///< [rad/s per sqrt(s)]
-  double steering_velocity_sigma = 0.05;
-  double steering_turn_sigma = 1.0;
-  double jolt_velocity_sigma = 1.5;  ///< stops dead, or starts, within one frame
-  double jolt_turn_sigma = 3.0;
+  double quiescent_velocity_sigma = 0.0008;  ///< [m/s per sqrt(s)]
+  double quiescent_turn_sigma = 0.05;        ///< [rad/s per sqrt(s)]
+  double manoeuvre_velocity_sigma = 0.05;
+  double manoeuvre_turn_sigma = 1.0;
+  double abrupt_velocity_sigma = 1.5;  ///< stops dead, or starts, within one frame
+  double abrupt_turn_sigma = 3.0;
   double change_rate_per_s = 0.2;      ///< how often a leader passes from one way of moving to another
   double own_position_sigma = 0.0002;  ///< error of the own dead reckoning [m per sqrt(s)]
   double gate_sigma = 6.0;             ///< a measurement farther than this from all three is an outlier
@@ -30,7 +30,7 @@ struct LeaderMotionConfig {
 using LeaderVector = Eigen::Matrix<double, 6, 1>;
 using LeaderMatrix = Eigen::Matrix<double, 6, 6>;
 
-/// Where the leader is and how it moves, in the odometry frame of OwnMotion: (x, y, vx, vy, heading, turn rate). The
+/// Where the leader is and how it moves, in the odometry frame of EgoMotion: (x, y, vx, vy, heading, turn rate). The
 /// velocity is a vector of its own, not speed times heading: so a tag that is glued on crooked by a degree, or a leader
 /// that drives backwards, is nothing special. The heading counts on beyond pi.
 struct LeaderEstimate {
@@ -47,10 +47,10 @@ struct LeaderEstimate {
 LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_sigma, double turn_sigma,
                               double position_sigma, double dt_s) noexcept;
 
-/// Follows the leader's motion by vision alone: three extended Kalman filters that differ in how much they believe the
-/// leader capable of, joined by the interacting multiple model method (Blom and Bar-Shalom, IEEE Trans. Automatic
-/// Control 33(8), 1988). A calm one alone would be slow to see a leader stop, a quick one alone would pass the camera's
-/// noise on to the wheels. No allocation, nothing throws.
+/// Follows the leader's motion by vision alone: three extended Kalman filters that differ in how much process noise
+/// they allow the leader, joined by the interacting multiple model method (Blom and Bar-Shalom, IEEE Trans. Automatic
+/// Control 33(8), 1988). The quiescent mode alone would be slow to see a leader stop, the abrupt one alone would pass
+/// the camera's noise on to the wheels. No allocation, nothing throws.
 class LeaderMotionEstimator {
  public:
   /// What an update led to.
@@ -75,7 +75,7 @@ class LeaderMotionEstimator {
   std::int64_t utime() const { return utime_; }  ///< of the last update
   /// At `utime`, not before the last update. Only if started().
   LeaderEstimate at(std::int64_t utime) const noexcept;
-  /// Probabilities of calm, steering, jolt.
+  /// Mode probabilities: quiescent, manoeuvre, abrupt.
   const std::array<double, 3>& probabilities() const { return probability_; }
 
   template <class Self, class Archive>

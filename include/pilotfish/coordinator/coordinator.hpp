@@ -67,10 +67,10 @@ struct StepResult {
 /// In two parts, so that a replay of recorded sights can go without the second.
 struct CoordinatorMemory {
   Bytes decisions;  ///< timeline, law, setpoint, held command
-  Bytes eyes;       ///< what the observer and the watch for a frozen camera remember
+  Bytes vision;     ///< what the observer and the watch for a frozen camera remember
 };
 
-/// The heart, on one screen:
+/// The coordinator, on one screen:
 ///
 ///     Frame, arrival --> FrameTimeline: in order, fresh? --> FrozenCamera --> vision::LeaderObserver --> Observation
 ///                                                                                                           |
@@ -93,11 +93,11 @@ class Coordinator {
   /// it is, the earlier one holds.
   StepResult step(const Frame& frame, MonotonicTime now) noexcept;
 
-  /// step() without the eyes: `sight` is what the observer made of the frame exposed at `utime`. For simulations that
+  /// step() without the vision: `sight` is what the observer made of the frame exposed at `utime`. For simulations that
   /// draw measurements instead of pictures, and for replays of recorded ones; everything behind the observer is the
   /// same.
-  StepResult answer(std::int64_t utime, const vision::Sight& sight, MonotonicTime now,
-                    std::int64_t known_age_us = 0) noexcept;
+  StepResult step_observation(std::int64_t utime, const vision::ObservationResult& sight, MonotonicTime now,
+                              std::int64_t known_age_us = 0) noexcept;
 
   /// What holds at `now` if no newer frame has come: the last command for as long as it is fresh, then zeros. Changes
   /// nothing, so a watchdog may ask as often as it likes without disturbing determinism. `reason` says what was
@@ -114,10 +114,10 @@ class Coordinator {
   /// Optional, at any rate, between frames: the own twist as odometry measured it, and the twist the leader announces
   /// of itself. utime is on the frames' clock. False, and nothing changes, if it cannot be used: not finite, too fast,
   /// not newer than the last, more than kOtherClock_s away from the last frame, or no frame yet. Neither moves the
-  /// robot; see control::OwnMotion and control::AnnouncedMotion.
-  bool set_own_motion(std::int64_t utime, const Twist& twist) noexcept;
-  /// The leader's own word; see set_own_motion().
-  bool set_announced_motion(std::int64_t utime, const Twist& twist) noexcept;
+  /// robot; see control::EgoMotion and control::LeaderIntent.
+  bool set_ego_motion(std::int64_t utime, const Twist& twist) noexcept;
+  /// The leader's own word; see set_ego_motion().
+  bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept;
   static constexpr double kOtherClock_s = 1.0;  ///< farther from the last frame is another clock
   /// By the observer, since the start
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
@@ -125,7 +125,7 @@ class Coordinator {
 
   /// What it remembers, bit for bit, apart from its configuration: another one of the same configuration that is given
   /// this goes on exactly as this one would. For recordings that are replayed from their middle; no copy of the object,
-  /// because the eyes have none.
+  /// because the vision have none.
   CoordinatorMemory memory() const;
   /// False, and nothing changes, if that is no memory of this program.
   bool set_memory(const CoordinatorMemory& memory);
@@ -136,11 +136,11 @@ class Coordinator {
   template <class Self, class Archive>
   static void remember_decisions(Self& self, Archive& archive);
   template <class Self, class Archive>
-  static void remember_eyes(Self& self, Archive& archive);
+  static void remember_vision(Self& self, Archive& archive);
   bool is_near_last_frame(std::int64_t utime) const noexcept;
-  StepResult answer_latest(std::int64_t utime, const vision::Sight& sight, std::int64_t age_us) noexcept;
+  StepResult step_latest(std::int64_t utime, const vision::ObservationResult& sight, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
-  StampVerdict judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
+  StampVerdict classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
   void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: forget the motion so far
   void begin_epoch() noexcept;                   ///< nothing that was seen or driven so far relates to the new stamps
 

@@ -19,7 +19,7 @@ struct StampVerdict {
   std::int64_t age_us = 0;       ///< known to have passed from the exposure to the arrival, never negative
 };
 
-/// Who believes a stamp, and for what: stamps order the frames and give the time between two of them. They never prove
+/// What a stamp is good for: stamps order the frames and give the time between two of them. They never prove
 /// that a frame is fresh; only its arrival on the monotonic clock can.
 ///
 /// With t the arrival and s the stamp of a frame, t - s is a constant (the two clocks' offset) plus what the frame took
@@ -40,8 +40,8 @@ struct StampVerdict {
 /// was set, and what was late stays late. So one odd stamp in between does not begin the count.
 ///
 /// A known age proves that the stamps are those of a clock of this host, and then it alone says how old a frame is. An
-/// epoch of such a clock never gives way to one of which nothing is known; kProofs frames of such a clock within a
-/// second end an epoch of which nothing is known, at once.
+/// epoch of such a clock never gives way to one of which nothing is known; kConfirmations frames of such a clock within
+/// a second end an epoch of which nothing is known, at once.
 ///
 /// The anchor itself may have been late: then quicker frames look as if they were of the future. kQuickFrames of them
 /// within a second are the proof, and the next epoch is anchored on a quick one: all that follows is judged more
@@ -52,7 +52,7 @@ class FrameTimeline {
   explicit FrameTimeline(std::int64_t max_age_us) : max_age_us_(max_age_us) {}
 
   /// known_age_us: Frame::known_age_us. now: the frame's arrival, not before any earlier one.
-  StampVerdict judge(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
+  StampVerdict classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
 
   std::optional<std::int64_t> last_utime() const;  ///< of the last frame in order [us]
   std::int64_t epochs() const { return epochs_; }  ///< how often a new one began after the first
@@ -60,15 +60,15 @@ class FrameTimeline {
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
     archive(self.last_, self.numbering_, self.numbered_, self.offset_us_, self.least_us_, self.run_, self.agreeing_,
-            self.epochs_, self.quick_, self.quick_since_, self.quick_epoch_at_, self.proven_, self.proofs_,
-            self.proofs_since_);
+            self.epochs_, self.quick_, self.quick_since_, self.quick_epoch_at_, self.confirmed_, self.confirmations_,
+            self.confirming_since_);
   }
 
   static constexpr int kFramesToAgree = 5;                     ///< so many begin a new epoch
   static constexpr double kAhead_us = 50'000.0;                ///< a stamp so far ahead is of the future
   static constexpr double kAgree_us = 25'000.0;                ///< two clocks agree to this
   static constexpr std::size_t kNumbering = 4;                 ///< frames of the old numbering that are remembered
-  static constexpr int kProofs = 3;                            ///< known ages that end an unknown epoch
+  static constexpr int kConfirmations = 3;                     ///< known ages that end an unknown epoch
   static constexpr double kRunGap_us = 1'000'000.0;            ///< two frames of a run are not farther apart
   static constexpr double kSilence_us = 1'000'000.0;           ///< of the old epoch, before a new one begins
   static constexpr int kQuickFrames = 3;                       ///< so many prove that the anchor was late
@@ -87,9 +87,9 @@ class FrameTimeline {
   bool agrees_with_run(std::int64_t utime, MonotonicTime now) const noexcept;
   bool continues_numbering(std::int64_t utime, MonotonicTime now) const noexcept;
   void remember_numbering(std::int64_t utime, MonotonicTime now) noexcept;
-  bool may_begin(std::int64_t known_age_us) const noexcept { return !proven_ || known_age_us != 0; }
+  bool may_begin(std::int64_t known_age_us) const noexcept { return !confirmed_ || known_age_us != 0; }
   bool is_proven(std::int64_t known_age_us, MonotonicTime now) noexcept;
-  bool is_proved_quick(double offset_us, MonotonicTime now) noexcept;
+  bool is_confirmed_quick(double offset_us, MonotonicTime now) noexcept;
   StampVerdict refuse(Reason reason, std::int64_t utime, MonotonicTime now) noexcept;
   StampVerdict begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
 
@@ -104,9 +104,9 @@ class FrameTimeline {
   std::int64_t epochs_ = 0;
   int quick_ = 0;  ///< frames quicker than the anchor allows, since quick_since_
   std::optional<MonotonicTime> quick_since_, quick_epoch_at_;
-  bool proven_ = false;  ///< this epoch's stamps are those of a clock of this host
-  int proofs_ = 0;       ///< frames with a known age in an epoch of which nothing is known, since proofs_since_
-  std::optional<MonotonicTime> proofs_since_;
+  bool confirmed_ = false;  ///< this epoch's stamps are those of a clock of this host
+  int confirmations_ = 0;   ///< frames with a known age in an epoch of which nothing is known, since confirming_since_
+  std::optional<MonotonicTime> confirming_since_;
 };
 
 }  // namespace pilotfish

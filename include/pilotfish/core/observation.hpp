@@ -14,7 +14,7 @@ PILOTFISH_API_BEGIN
 namespace pilotfish {
 
 /// One tag of the leader in one picture.
-struct TagSighting {
+struct TagDetection {
   int id = 0;                                 ///< number of the tag in its family
   int hamming = 0;                            ///< corrected bits
   double decision_margin = 0.0;               ///< AprilTag's: mean contrast of the bits, in gray levels
@@ -61,18 +61,18 @@ struct Observation {
   double bearing_rad = 0.0;  ///< theta = atan2(y, x) [rad], positive: to the left
   double heading_rad = 0.0;  ///< psi, the leader's heading relative to the coordinator's, filtered
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the three above
-  RelativeMeasurement measured;  ///< of this frame alone: what a filter of your own should be fed
-  double heading_doubt = 0.0;    ///< how much the headings so far speak for another one than heading_rad, 0 to 1
+  RelativeMeasurement measured;    ///< of this frame alone: what a filter of your own should be fed
+  double heading_ambiguity = 0.0;  ///< how much the headings so far speak for another one than heading_rad, 0 to 1
 
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame, of this frame alone
   std::optional<Eigen::Isometry3d> other_cMo;             ///< the other planar solution, if there is one
   /// Error of the worse planar solution over the better one's, in standard deviations of the corners (>= 1). Near 1 the
   /// heading cannot be told from one picture; kMaxAmbiguityRatio where there is no second solution.
   double ambiguity_ratio = 1.0;
-  double reprojection_error_px = 0.0;               ///< RMS over all corners used
-  double min_decision_margin = 0.0;                 ///< of the tags used
-  FoundBy found_by = FoundBy::frame;                ///< how the tags were found
-  BoundedVector<TagSighting, kMaxTagsOnBody> tags;  ///< those used
+  double reprojection_error_px = 0.0;                ///< RMS over all corners used
+  double min_decision_margin = 0.0;                  ///< of the tags used
+  FoundBy found_by = FoundBy::frame;                 ///< how the tags were found
+  BoundedVector<TagDetection, kMaxTagsOnBody> tags;  ///< those used
 };
 
 }  // namespace pilotfish

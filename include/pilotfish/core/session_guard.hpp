@@ -51,7 +51,7 @@ struct SetpointDecision {
 
 /// Who may tell a coordinator what to keep.
 ///
-///   - A stop (run = false) is believed from anyone, always, and it is latched: only an accepted message with run =
+///   - A stop (run = false) is accepted from anyone, always, and it is latched: only an accepted message with run =
 ///   true
 ///     ends it.
 ///   - Everything else must name the session, rise above every counter accepted before, and keep a distance of at least
@@ -74,7 +74,7 @@ class SetpointGate {
   std::int64_t last_counter() const { return sequence_.last_counter(); }  ///< goes into StatusReport::setpoint_counter
 
  private:
-  SetpointVerdict judge(std::int64_t session, std::int64_t counter, const Setpoint& asked) const;
+  SetpointVerdict check(std::int64_t session, std::int64_t counter, const Setpoint& asked) const;
 
   SequenceGuard sequence_;
   double stop_distance_m_;

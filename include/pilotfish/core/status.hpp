@@ -22,7 +22,7 @@ enum class Reason {
   none,                       ///< nothing to explain
   no_tag_found,               ///< no tag of the family in the picture
   no_tag_of_the_leader,       ///< tags, but none with an id of the leader's body
-  tag_refused,                ///< a tag of the leader, refused by a gate (hamming, margin, misfit)
+  tag_refused,                ///< a tag of the leader, refused by a gate (hamming, margin, residual)
   pose_refused,               ///< corners accepted, but the pose is not credible (reprojection error, range, behind)
   no_frame,                   ///< no frame arrived in time
   frame_size_not_calibrated,  ///< the frame's size is not the calibration's
@@ -32,13 +32,13 @@ enum class Reason {
   frame_stride_invalid,       ///< stride shorter than a row
   frame_time_not_advancing,   ///< utime not later than the frame before
   frame_stale,                ///< older than the age limit when it arrived
-  told_to_stop,               ///< setpoint.run is false
+  stop_requested,             ///< setpoint.run is false
   law_not_finite,             ///< a NaN or an infinity was caught behind the law
-  tag_duplicate,              ///< a tag of the leader, seen twice: none of the two is believed
+  tag_duplicate,              ///< a tag of the leader, seen twice: none of the two is accepted
   tag_outside_frame,          ///< a tag of the leader, partly outside the picture
   tag_too_small,              ///< a tag of the leader, too small to be read
-  tag_too_blurred,            ///< a tag of the leader, too blurred to be believed
-  tag_size_implausible,       ///< a tag of the leader, larger or smaller than it can be at any range that is believed
+  tag_too_blurred,            ///< a tag of the leader, too blurred to be accepted
+  tag_size_implausible,       ///< a tag of the leader, larger or smaller than it can be at any range that is accepted
   leader_behind_camera,       ///< the pose puts a tag behind the camera or shows its back
   leader_jumped,              ///< farther from where it was than anything can have moved
   camera_frozen,              ///< the same pixels again and again, where a sensor would show noise

@@ -14,17 +14,17 @@ struct Moments {
   double first = 0.0;  ///< integral of u mu(u) du; the centroid is first / area
 };
 
-/// Moments of mu_C'(u) = max_k min(heights[k], mu_k(u)) over the universe of `output`: each term clipped at
+/// Moments of mu_C'(u) = max_k min(term_strengths[k], mu_k(u)) over the universe of `output`: each term clipped at
 /// the strength of its rules and joined by max. For triangles and trapezoids mu_C' is piecewise linear and
 /// this is the closed form; with Gaussians, the pieces between breakpoints are integrated with erf (exact as
-/// well, up to rounding). heights: one per term, in [0, 1].
-Moments clipped_union_moments(const LinguisticVariable& output, const double* heights) noexcept;
+/// well, up to rounding). term_strengths: one per term, in [0, 1].
+Moments clipped_union_moments(const LinguisticVariable& output, const double* term_strengths) noexcept;
 
 /// The same moments the way inference computes them: if the terms are triangles and trapezoids in order on the axis (no
-/// corner of a term is left of the same corner of the term before), they are sums of polynomials in the heights, and no
-/// knee is looked for; see src/fuzzy/layers.hpp. Nothing otherwise. Prepares the polynomials anew: for tests and
+/// corner of a term is left of the same corner of the term before), they are sums of polynomials in the term_strengths,
+/// and no knee is looked for; see src/fuzzy/layers.hpp. Nothing otherwise. Prepares the polynomials anew: for tests and
 /// people.
-std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* heights);
+std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* term_strengths);
 
 }  // namespace pilotfish::fuzzy
 PILOTFISH_API_END

@@ -35,11 +35,11 @@ struct LinguisticVariable {
   std::size_t index_of(const std::string& label) const;
 };
 
-/// What cannot be proved, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
-class ProofError : public std::invalid_argument {
+/// What cannot be validated, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
+class ValidationError : public std::invalid_argument {
  public:
   /// `where`: the variable, term or cell at fault.
-  ProofError(std::string where, const std::string& problem)
+  ValidationError(std::string where, const std::string& problem)
       : std::invalid_argument(where + ": " + problem), where_(std::move(where)), problem_(problem) {}
   const std::string& where() const { return where_; }      ///< the variable, term or cell at fault
   const std::string& problem() const { return problem_; }  ///< what is wrong with it
@@ -48,7 +48,7 @@ class ProofError : public std::invalid_argument {
   std::string where_, problem_;
 };
 
-/// Throws ProofError unless the universe is a finite interval and there are 1 to kMaxTerms terms, all labels
+/// Throws ValidationError unless the universe is a finite interval and there are 1 to kMaxTerms terms, all labels
 /// different, all sets well formed.
 void validate(const LinguisticVariable& variable);
 

@@ -22,7 +22,7 @@ struct Inference {
 /// Mamdani inference: min for AND (4), min for the implication (5), max over the rules, (6), and the exact
 /// centroid (7). Inputs outside the universes saturate. With widths, the inputs are the fuzzy sets A' and B' of (6);
 /// without, they are singletons. Never allocates.
-/// The controller must have passed prove(). NaN in, an infinite width or no proof gives NaN out: callers check.
+/// The controller must have passed validate(). NaN in, an infinite width or no proof gives NaN out: callers check.
 Inference infer(const Controller& controller, double error, double error_change,
                 const InputWidths& widths = {}) noexcept;
 

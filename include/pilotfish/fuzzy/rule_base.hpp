@@ -36,7 +36,7 @@ struct Controller {
   LinguisticVariable error_change;  ///< EC, of its normalised change per control period
   LinguisticVariable output;        ///< U, of the normalised velocity
   RuleBase rules;                   ///< the paper's Table I by default
-  /// What inference works with, made by prove() from the data above: whoever changes them proves again.
+  /// What inference works with, made by validate() from the data above: whoever changes them validates again.
   std::shared_ptr<const Plan> plan = nullptr;
 };
 
@@ -46,8 +46,9 @@ std::string describe_rule(const Controller& controller, std::size_t rule);
 /// The weakest degree that still counts as covering a point of an input universe.
 inline constexpr double kMinCoverage = 1e-3;
 
-/// Proves what the control loop relies on, so that inference cannot fail later, and prepares controller.plan, so that
-/// it is fast and never allocates. Throws ProofError naming the variable, the term or the cell that is at fault:
+/// Validates what the control loop relies on, so that inference cannot fail later, and prepares controller.plan, so
+/// that it is fast and never allocates. Throws ValidationError naming the variable, the term or the cell that is at
+/// fault:
 ///  - the rule base has exactly kPaperRows x kPaperColumns cells, each with a term of U;
 ///  - every universe is finite, every label unique, every membership function well formed, and no variable
 ///  has more
@@ -57,7 +58,7 @@ inline constexpr double kMinCoverage = 1e-3;
 ///  - every term has area inside its universe: so every rule can fire, and the centroid's denominator is
 ///  positive;
 ///  - the output is finite and inside U's universe over the grid of the corner points of all input sets.
-void prove(Controller& controller);
+void validate(Controller& controller);
 
 }  // namespace pilotfish::fuzzy
 PILOTFISH_API_END

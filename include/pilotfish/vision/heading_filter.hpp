@@ -27,9 +27,9 @@ struct HeadingCandidate {
 
 /// What the filter makes of the candidates.
 struct FilteredHeading {
-  std::size_t candidate = 0;  ///< which of them is believed
+  std::size_t candidate = 0;  ///< which of them is accepted
   RelativeMeasurement fused;  ///< that candidate, given the headings before
-  double doubt = 0.0;         ///< weight of all that disagrees, 0 to 1
+  double ambiguity = 0.0;     ///< weight of all that disagrees, 0 to 1
 };
 
 /// A plane seen from afar has two poses that explain a picture about equally well, and near the frontal view - where a

@@ -21,8 +21,8 @@ struct SearchRegion;
 struct LeaderObserverConfig {
   double acquisition_range_m = 5.0;  ///< a leader that nobody follows yet is looked for up to this distance
   TagDetectorConfig detector;        ///< how tags are found
-  TagGates gates;                    ///< which of them are believed
-  LeaderPoseConfig pose;             ///< which poses are believed
+  TagGates gates;                    ///< which of them are accepted
+  LeaderPoseConfig pose;             ///< which poses are accepted
   HeadingFilterConfig heading;       ///< which of two solutions
   LeaderTrackConfig track;           ///< how a leader can move
   static const std::vector<Parameter<LeaderObserverConfig>>& parameters();  ///< its own: acquisition_range_m
@@ -43,12 +43,12 @@ struct RejectionCounters {
   std::int64_t frames_invalid = 0;  ///< frames that cannot be read or are not of the calibration's size
   std::int64_t hamming = 0;         ///< tags that read as something else
   std::int64_t margin = 0;          ///< tags with too little contrast
-  std::int64_t misfit = 0;          ///< tags of which something else explains too much
+  std::int64_t residual = 0;        ///< tags of which something else explains too much
   std::int64_t foreign_id = 0;      ///< tags of the family that the leader does not wear
-  std::int64_t duplicate_id = 0;    ///< an id seen twice in one picture: none of the two is believed
+  std::int64_t duplicate_id = 0;    ///< an id seen twice in one picture: none of the two is accepted
   std::int64_t outside_frame = 0;   ///< tags partly outside the picture
   std::int64_t too_small = 0;       ///< tags too small to be read
-  std::int64_t too_blurred = 0;     ///< tags too blurred to be believed
+  std::int64_t too_blurred = 0;     ///< tags too blurred to be accepted
   std::int64_t size = 0;            ///< tags with a size that they cannot have at any range
   std::int64_t behind = 0;          ///< poses behind the camera, or that show a tag's back
   std::int64_t jump = 0;            ///< leaders farther from where they were than anything can have moved
@@ -64,7 +64,7 @@ struct RejectionCounters {
 };
 
 /// What one picture says about the leader: an observation, or the reason why there is none.
-struct Sight {
+struct ObservationResult {
   std::optional<Observation> observation;  ///< Observation of this frame, or nothing
   Reason reason = Reason::none;            ///< Reason.none with an observation, else why there is none
 };
@@ -76,8 +76,8 @@ struct Sight {
 ///          v                                                       +--> one pose --> plausible? --> heading filter
 ///     detect in the region, then in the frame --> look there ------+
 ///
-/// However a tag was found, it is an observation only after its print was fitted to this very frame and every bit of it
-/// read. Remembers where the leader was (for 0.5 s) and how it was heading; time comes from the frames. One observer
+/// However a tag was found, it is an observation only after its template was fitted to this very frame and every bit of
+/// it read. Remembers where the leader was (for 0.5 s) and how it was heading; time comes from the frames. One observer
 /// serves one thread. While it tracks it asks for no memory.
 class LeaderObserver {
  public:
@@ -86,10 +86,10 @@ class LeaderObserver {
                  const LeaderObserverConfig& config);
 
   /// Never throws. A frame whose size differs from the calibration's is refused, not scaled.
-  Sight observe(const Frame& frame) noexcept;
+  ObservationResult observe(const Frame& frame) noexcept;
   /// The same for whoever searches pictures for several observers at once: `found`, what a detector of the same family
   /// found in this very frame [px of it], takes the place of the search of the whole picture; empty if nobody searched.
-  Sight observe_detected(const Frame& frame, const Detections& found) noexcept;
+  ObservationResult observe_detected(const Frame& frame, const Detections& found) noexcept;
 
   /// The next frame is looked at as if nothing had been seen before. The counters stay.
   void forget() noexcept;
@@ -109,19 +109,19 @@ class LeaderObserver {
     TagMeasurements tags;
     Reason reason = Reason::no_tag_found;  ///< why there is nothing more
     RejectionCounters rejected;
-    void add(const TagLook& look);
+    void add(const TagResult& look);
   };
-  Sight try_to_look(const Frame& frame, const Detections* found) noexcept;
-  Sight look(const Frame& frame, const Detections* found);
+  ObservationResult try_to_look(const Frame& frame, const Detections* found) noexcept;
+  ObservationResult look(const Frame& frame, const Detections* found);
   Attempt follow_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo) const;
   Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation);
   /// `origin_px`: where the part of the picture begins that the detections count from.
   Attempt verify_tags(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px) const;
   /// Counts what the attempt refused, if it is the frame's last word.
-  Sight conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
-                 const std::optional<Eigen::Isometry3d>& predicted_cMo);
-  Sight measure(const Frame& frame, const TagMeasurements& tags, FoundBy found_by,
-                const std::optional<Eigen::Isometry3d>& predicted_cMo);
+  ObservationResult conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
+                             const std::optional<Eigen::Isometry3d>& predicted_cMo);
+  ObservationResult measure(const Frame& frame, const TagMeasurements& tags, FoundBy found_by,
+                            const std::optional<Eigen::Isometry3d>& predicted_cMo);
   BitGates bit_gates() const;
 
   CameraModel camera_;

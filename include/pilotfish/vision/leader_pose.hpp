@@ -14,12 +14,12 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
-/// Which poses are believed, and how exactly.
+/// Which poses are accepted, and how exactly.
 struct LeaderPoseConfig {
   double max_reprojection_error_px = 3.0;  ///< RMS over all corners
   double corner_sigma_px = 0.005;          ///< of each corner coordinate, added to its measured noise
-  double min_distance_m = 0.05;            ///< camera to tag; nearer, the pose is not believed
-  double max_distance_m = 20.0;            ///< camera to tag; farther, the pose is not believed
+  double min_distance_m = 0.05;            ///< camera to tag; nearer, the pose is not accepted
+  double max_distance_m = 20.0;            ///< camera to tag; farther, the pose is not accepted
   static const std::vector<Parameter<LeaderPoseConfig>>& parameters();
 };
 
@@ -34,7 +34,7 @@ struct PoseSolution {
 
 /// A pose cMo and how well it explains the corners.
 struct LeaderPose {
-  PoseSolution best;                  ///< the one to believe
+  PoseSolution best;                  ///< the one to use
   std::optional<PoseSolution> other;  ///< the second planar solution: the next best one that is really different
   double ambiguity_ratio = kMaxAmbiguityRatio;  ///< see Observation
 };
@@ -42,16 +42,16 @@ struct LeaderPose {
 /// One pose from all corners of all tags, each with its covariance. Starts: `guess`, if there is one, else the pose
 /// that the largest tag has by itself; and its mirror image about the line of sight, near which a plane's other
 /// solution lies. Each start is refined over all corners by virtual visual servoing. Nothing if no start converges in
-/// front of the camera, if there is no tag, or if one is not on the body. Gates are the caller's: see judge(). Never
-/// throws, never allocates.
+/// front of the camera, if there is no tag, or if one is not on the body. Gates are the caller's: see check_pose().
+/// Never throws, never allocates.
 std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const LeaderBody& body,
                                                const TagMeasurements& tags, const LeaderPoseConfig& config,
                                                const std::optional<Eigen::Isometry3d>& guess = std::nullopt) noexcept;
 
 /// Reason::none if the pose explains the corners well enough, with every tag in front of the camera and showing it its
 /// printed side, and as large as it must be at its range.
-Reason judge(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
-             const LeaderPoseConfig& config) noexcept;
+Reason check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
+                  const LeaderPoseConfig& config) noexcept;
 
 }  // namespace pilotfish::vision
 PILOTFISH_API_END

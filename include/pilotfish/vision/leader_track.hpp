@@ -29,11 +29,11 @@ class LeaderTrack {
   /// frames.
   std::optional<Eigen::Isometry3d> predict(std::int64_t utime) const noexcept;
   /// Whether the leader can be there now, after all that is known of where it was. What is plausible widens with time,
-  /// so that a leader that really was carried away is believed again.
+  /// so that a leader that really was carried away is accepted again.
   bool is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept;
   double seconds_since(std::int64_t utime) const noexcept;  ///< 0 if it was never seen
 
-  /// The leader was measured: where, and how its print looked.
+  /// The leader was measured: where, and how its template looked.
   void update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,
               std::int64_t utime) noexcept;
   void forget() noexcept { seen_ = false; }  ///< no leader is known any more

@@ -12,12 +12,12 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
-/// How tags are found and which are believed.
+/// How tags are found and which are accepted.
 struct TagDetectorConfig {
   /// Find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size). 0: whoever knows how large
   /// the tags look chooses, see decimation_for(); a detector by itself takes 1.
   double decimation = 0.0;
-  int max_hamming = 0;  ///< corrected bits that are still believed
+  int max_hamming = 0;  ///< corrected bits that are still accepted
   double min_decision_margin = 20.0;
   double blur_sigma_px = 0.0;  ///< Gaussian blur of the image in which quads are found
   static const std::vector<Parameter<TagDetectorConfig>>& parameters();
@@ -25,11 +25,11 @@ struct TagDetectorConfig {
 
 /// Tags found and what was turned away, by gate.
 struct Detections {
-  Reason input = Reason::none;    ///< why the picture was not even looked at
-  std::vector<TagSighting> tags;  ///< sorted by id, then by decision margin (best first)
-  std::vector<int> refused_ids;   ///< of the tags that a gate turned away, sorted
-  int refused_hamming = 0;        ///< number of tags with more corrected bits than max_hamming
-  int refused_margin = 0;         ///< number of tags with a decision margin below min_decision_margin
+  Reason input = Reason::none;     ///< why the picture was not even looked at
+  std::vector<TagDetection> tags;  ///< sorted by id, then by decision margin (best first)
+  std::vector<int> refused_ids;    ///< of the tags that a gate turned away, sorted
+  int refused_hamming = 0;         ///< number of tags with more corrected bits than max_hamming
+  int refused_margin = 0;          ///< number of tags with a decision margin below min_decision_margin
 };
 
 /// libapriltag behind a safe edge: sizes are checked before it is called (it asserts or crashes on tiny and

@@ -12,25 +12,25 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
-/// Which tags are believed once they have been found. Defaults: docs/vision.md shows the data they come from.
+/// Which tags are accepted once they have been found. Defaults: docs/vision.md shows the data they come from.
 struct TagGates {
-  double min_cell_px = 0.9;     ///< shorter side of a cell
-  double max_blur_cells = 0.8;  ///< standard deviation of the blur, in cells
-  double max_misfit = 0.12;     ///< RMS of what the print does not explain, as a part of its contrast
+  double min_cell_px = 0.9;               ///< shorter side of a cell
+  double max_blur_cells = 0.8;            ///< standard deviation of the blur, in cells
+  double max_normalised_residual = 0.12;  ///< RMS of what the template does not explain, as a part of its contrast
   static const std::vector<Parameter<TagGates>>& parameters();
 };
 
-/// Which bits are believed: the same for a detection and for a tag that is followed, see TagDetectorConfig.
+/// Which bits are accepted: the same for a detection and for a tag that is followed, see TagDetectorConfig.
 struct BitGates {
-  int max_hamming = 0;                ///< corrected bits still believed
+  int max_hamming = 0;                ///< corrected bits still accepted
   double min_decision_margin = 20.0;  ///< in gray levels
 };
 
 /// One tag, verified and measured in this very frame.
 struct TagMeasurement {
-  TagSighting tag;                             ///< id, bits and the fitted corners [px]
+  TagDetection tag;                            ///< id, bits and the fitted corners [px]
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of the corners (u0, v0, u1, v1, ...)
-  Appearance appearance;                       ///< Appearance of its print: gray levels and blur
+  Appearance appearance;                       ///< Appearance of its template: gray levels and blur
 };
 using TagMeasurements = BoundedVector<TagMeasurement, kMaxTagsOnBody>;
 
@@ -42,19 +42,19 @@ enum class TagRefusal : std::uint8_t {
   too_blurred,    ///< blur above max_blur_cells
   hamming,        ///< it reads as something else
   margin,         ///< too little contrast
-  misfit,         ///< it reads well, but something else explains too much of it
+  residual,       ///< it reads well, but something else explains too much of it
 };
 
 /// Either the measurement or why there is none.
-struct TagLook {
+struct TagResult {
   std::optional<TagMeasurement> measurement;   ///< nothing if it was refused
   TagRefusal refusal = TagRefusal::not_found;  ///< why
 };
 
 /// Looks for one known tag near a place and checks what it sees: shift to the best match within `search_px`, fit the
-/// print, read every bit, pass the gates. `nHt` is the guess: tag coordinates (see TagPattern) to the undistorted plane
-/// Z = 1. Never throws, never allocates.
-TagLook look_at_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+/// template, read every bit, pass the gates. `nHt` is the guess: tag coordinates (see TagPattern) to the undistorted
+/// plane Z = 1. Never throws, never allocates.
+TagResult track_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                     const Eigen::Matrix3d& nHt, const Appearance& expected, double search_px, const BitGates& bits,
                     const TagGates& gates) noexcept;
 

@@ -10,10 +10,10 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
-/// A tag as print, in its own plane. Tag coordinates (x, y): the corners of the black square (AprilTag's "border") are
-/// at
-/// (+-1, +-1), x right and y down as one reads it. The cells around a code are part of the print: the white ring of a
-/// 36h11, the outer bits of a Standard41h12.
+/// A tag as template, in its own plane. Tag coordinates (x, y): the corners of the black square (AprilTag's "border")
+/// are at
+/// (+-1, +-1), x right and y down as one reads it. The cells around a code are part of the template: the white ring of
+/// a 36h11, the outer bits of a Standard41h12.
 struct TagPattern {
   /// Where black meets white: one side of a cell, both sides known.
   struct Edge {

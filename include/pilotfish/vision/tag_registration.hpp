@@ -14,7 +14,7 @@ namespace pilotfish::vision {
 
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-/// How a print looks in a picture: where black and white lie, how they change over it, how far a point is smeared.
+/// How a template looks in a picture: where black and white lie, how they change over it, how far a point is smeared.
 struct Appearance {
   double black = 40.0;                                       ///< gray level in the middle of the tag
   double white = 215.0;                                      ///< the same
@@ -29,7 +29,7 @@ struct Appearance {
   }
 };
 
-/// A known print, laid over a picture so that it fits best.
+/// A known template, laid over a picture so that it fits best.
 struct Registration {
   /// Tag coordinates (x, y, 1) to the undistorted image plane Z = 1 (homogeneous).
   Eigen::Matrix3d nHt = Eigen::Matrix3d::Identity();
@@ -37,14 +37,14 @@ struct Registration {
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of (u0, v0, u1, v1, ...), from the measured noise
   Appearance appearance;                       ///< gray levels and blur
   double cell_px = 0.0;                        ///< shorter side of a cell
-  double misfit = 0.0;                         ///< RMS of what the print does not explain, in gray levels
+  double residual_rms = 0.0;                   ///< RMS of what the template does not explain, in gray levels
   double outlier_share = 0.0;  ///< of the pixels used, those that something else explains (an occlusion, a reflection)
   int pixels = 0;              ///< how many were used
 };
 
-/// The one way in: fits the whole print - outer and inner edges at once - to the full-resolution picture, starting from
-/// `nHt`, whose corners may be off by about a third of a cell; nothing if it does not come to rest or if it leaves the
-/// picture. What comes back has not been read yet: see read_tag(). Never throws, never allocates.
+/// The one way in: fits the whole template - outer and inner edges at once - to the full-resolution picture, starting
+/// from `nHt`, whose corners may be off by about a third of a cell; nothing if it does not come to rest or if it leaves
+/// the picture. What comes back has not been read yet: see read_tag(). Never throws, never allocates.
 std::optional<Registration> register_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                                          const Eigen::Matrix3d& nHt, const Appearance& start) noexcept;
 

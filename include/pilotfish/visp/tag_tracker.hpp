@@ -29,7 +29,7 @@ namespace pilotfish::visp {
 /// - A tag that appears beside one that is being followed is seen up to setSearchPeriod() pictures later.
 /// - Pictures must come in order, about setFrameRate() of them a second, from one camera; after a gap, or for pictures
 ///   that have nothing to do with each other, call reset() before each.
-/// - An id that is twice in one picture is not believed, and neither is a tag with a wrong bit, partly outside the
+/// - An id that is twice in one picture is not accepted, and neither is a tag with a wrong bit, partly outside the
 ///   picture, or without contrast (docs/vision.md). What is tracked already stays tracked.
 /// - Tags come sorted by id.
 /// - Of a camera with distortion k_ud is used, and k_du is not: the pose fits the picture as the lens makes it.

@@ -49,7 +49,7 @@ def observation_of(message: measurement_t) -> core.Observation:
             heading_rad=message.measured_heading_rad,
             covariance=np.array(message.measured_covariance),
         ),
-        heading_doubt=message.heading_doubt,
+        heading_ambiguity=message.heading_ambiguity,
         cMo=_pose(np.array(message.camera_from_leader)),
         other_cMo=other,
         ambiguity_ratio=message.ambiguity_ratio,
@@ -57,7 +57,7 @@ def observation_of(message: measurement_t) -> core.Observation:
         min_decision_margin=message.min_decision_margin,
         found_by=core.FoundBy(message.found_by),
         tags=[
-            core.TagSighting(
+            core.TagDetection(
                 id=tag.id,
                 hamming=tag.hamming,
                 decision_margin=tag.decision_margin,
@@ -69,7 +69,7 @@ def observation_of(message: measurement_t) -> core.Observation:
 
 
 def original_jpeg(data: bytes) -> image_t | None:
-    """The image_t in these bytes, if it holds a JPEG as it came over the bus: those are the pixels the eyes saw."""
+    """The image_t in these bytes, if it holds a JPEG as it came over the bus: those are the pixels vision saw."""
     if not data.startswith(image_t._get_packed_fingerprint()):
         return None
     message = image_t.decode(data)
@@ -96,7 +96,7 @@ def observation_key(observation: core.Observation | None) -> tuple[object, ...] 
         return None
     o, m = observation, observation.measured
     scalars = bits(
-        *(o.distance_m, o.bearing_rad, o.heading_rad, o.heading_doubt, m.distance_m, m.bearing_rad, m.heading_rad),
+        *(o.distance_m, o.bearing_rad, o.heading_rad, o.heading_ambiguity, m.distance_m, m.bearing_rad, m.heading_rad),
         *(o.ambiguity_ratio, o.reprojection_error_px, o.min_decision_margin),
     )
     other = None if o.other_cMo is None else o.other_cMo.tobytes()

@@ -17,7 +17,7 @@ _KINDS = {
     step_t.KIND_FRAME: "frame",
     step_t.KIND_SETPOINT: "setpoint",
     step_t.KIND_OWN_MOTION: "own motion",
-    step_t.KIND_ANNOUNCEMENT: "announcement",
+    step_t.KIND_LEADER_INTENT: "leader_intent",
 }
 # The sender holds what one of the last frames led to; its thread and the core's record in any order.
 _HELD_BACK, _HELD_AHEAD = 64, 4
@@ -29,7 +29,7 @@ _REFUSED_BY_TIME = {
     core.Reason.frame_stale,
 }
 # Why a sender sends zeros whatever it holds.
-_WITHHELD = {core.Reason.another_coordinator, core.Reason.internal_error, core.Reason.told_to_stop}
+_WITHHELD = {core.Reason.another_coordinator, core.Reason.internal_error, core.Reason.stop_requested}
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class ReplayReport:
     sent_unchecked: int = 0  # what they held was decided before the replay begins
     memories: int = 0  # of the core, at a start within a run, compared
     sights: int = 0  # seen again in recorded JPEGs, compared
-    sights_unchecked: int = 0
+    observations_unchecked: int = 0
     gaps: int = 0
     skipped: int = 0  # calls behind a gap, before the next start
     damage: list[Damage] = field(default_factory=list)
@@ -103,7 +103,7 @@ class _Run:
         self._config: tuple[bytes, CoordinatorFile | None] = (b"", None)
         self._session = 0
         self._next = -1  # sequence of the call that must come
-        self._sees = False  # what the eyes remember is known
+        self._sees = False  # what the vision remember is known
         self._pictures: OrderedDict[int, image_t] = OrderedDict()
         self._held: deque[tuple[object, ...]] = deque(maxlen=_HELD_BACK)
         self._pending: deque[tuple[int, Event, sent_t]] = deque()
@@ -119,7 +119,7 @@ class _Run:
         if message.program not in self.report.programs:
             self.report.programs.append(message.program)
         self._core = Coordinator(self._config_of(message).coordinator)
-        recorded = (bytes(message.decisions), bytes(message.eyes))
+        recorded = (bytes(message.decisions), bytes(message.vision))
         if message.sequence == 0 and self._core.memory != recorded:
             self._differs(
                 event, "the coordinator at the start", message.robot, _size(recorded), _size(self._core.memory)
@@ -203,19 +203,19 @@ class _Run:
         return self._config[1]
 
     def _compare_memory(self, event: Event, message: box_start_t) -> None:
-        decisions, eyes = self._core.memory
+        decisions, vision = self._core.memory
         self.report.memories += 1
         if decisions != bytes(message.decisions):
             self._differs(
                 event, "what the core remembers", f"before call {self._next}", *_first_byte(message, decisions)
             )
-        if self._from_pixels and self._sees and eyes != bytes(message.eyes):
-            self._differs(event, "what the eyes remember", f"before call {self._next}", "", "")
+        if self._from_pixels and self._sees and vision != bytes(message.vision):
+            self._differs(event, "what the vision remember", f"before call {self._next}", "", "")
         if self._from_pixels and not self._sees:  # from here on it is known
-            self._core.memory = (decisions, bytes(message.eyes))
+            self._core.memory = (decisions, bytes(message.vision))
             self._sees = True
 
-    def _frame(self, event: Event, message: step_t, recorded_sight: core.Observation | None) -> None:
+    def _frame(self, event: Event, message: step_t, recorded_observation: core.Observation | None) -> None:
         self.report.frames += 1
         self.report.commands += 1
         self.report.measured += len(message.measurement)
@@ -223,30 +223,30 @@ class _Run:
         result = self._see(message) if self._from_pixels else None
         if result is not None:
             self.report.sights += 1
-            was, now = messages.observation_key(recorded_sight), messages.observation_key(result.observation)
+            was, now = messages.observation_key(recorded_observation), messages.observation_key(result.observation)
             if was != now:
                 self._differs(
                     event,
                     "what was seen",
                     _inputs(message),
-                    _sight_text(recorded_sight),
+                    _sight_text(recorded_observation),
                     _sight_text(result.observation),
                 )
         else:
-            result = self._core.answer(
-                message.utime, recorded_sight, message.now_us, core.Reason(message.reason), message.known_age_us
+            result = self._core.step_observation(
+                message.utime, recorded_observation, message.now_us, core.Reason(message.reason), message.known_age_us
             )
         command = core.Twist(linear_mps=message.command_linear_mps, angular_radps=message.command_angular_radps)
         was = _answer_text(core.Status(message.status), core.Reason(message.reason), command)
         self._expect(event, message, "the command", was, _answer_text(result.status, result.reason, result.command))
 
     def _see(self, message: step_t) -> StepResult | None:
-        """The frame through the eyes; None where its pixels are not there, or the eyes' memory is not known."""
+        """The frame through the vision; None where its pixels are not there, or the vision's memory is not known."""
         picture = self._pictures.get(message.utime)
         if picture is None or not self._sees:
             if core.Reason(message.reason) not in _REFUSED_BY_TIME:
                 self._sees = False
-                self.report.sights_unchecked += 1
+                self.report.observations_unchecked += 1
             return None
         size = {"width": picture.width, "height": picture.height}
         frame = blackbox.decode_jpeg(bytes(picture.data), **size, utime=message.utime)
@@ -264,9 +264,9 @@ class _Run:
             )
             taken = self._core.set_setpoint(setpoint)
         elif message.kind == step_t.KIND_OWN_MOTION:
-            taken = self._core.set_own_motion(message.utime, twist)
+            taken = self._core.set_ego_motion(message.utime, twist)
         else:
-            taken = self._core.set_announced_motion(message.utime, twist)
+            taken = self._core.set_leader_intent(message.utime, twist)
         self._expect(event, message, "whether it was taken", str(bool(message.taken)), str(taken))
 
     def _expect(self, event: Event, message: step_t, what: str, recorded: str, recomputed: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pilotfish.core import CameraModel, Frame, Reason
 from pilotfish.errors import BodyLearningError
-from pilotfish.vision import TagDetector, TagMeasurement, look_at_tag
+from pilotfish.vision import TagDetector, TagMeasurement, track_tag
 
 MAX_TAGS = 12  # on one body
 FEWEST_SIGHTINGS = 3  # of an id; what is seen more rarely is a misreading
@@ -72,7 +72,7 @@ class Collected:
     sightings: Sightings
     frames_read: int
     frames_undecodable: int
-    rare_ids: tuple[int, ...]  # seen in fewer than FEWEST_SIGHTINGS frames, hence not believed
+    rare_ids: tuple[int, ...]  # seen in fewer than FEWEST_SIGHTINGS frames, hence not accepted
 
 
 def collect_sightings(
@@ -113,7 +113,7 @@ def collect_sightings(
                 continue
             # The detector's corners are off by a tenth of a pixel, in much the same way in every frame; those of the
             # fitted print are not. A tag that does not fit its print is half hidden, or blurred: better without it.
-            fitted = look_at_tag(frame.image, camera=camera, family=family, id=tag.id, corners_px=tag.corners_px)
+            fitted = track_tag(frame.image, camera=camera, family=family, id=tag.id, corners_px=tag.corners_px)
             if isinstance(fitted, TagMeasurement):
                 found.append((number, tag.id, fitted.tag.corners_px))
     if not found:
@@ -139,17 +139,17 @@ def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: in
     everything = Sightings(
         frame, np.searchsorted(ids, tag_id), np.array([corners for *_, corners in found]), ids, sizes_m
     )
-    believed = everything.where(~np.isin(tag_id, rare))
-    if not len(believed):
+    accepted = everything.where(~np.isin(tag_id, rare))
+    if not len(accepted):
         raise BodyLearningError(
             f"{_named(rare)}: seen in fewer than {FEWEST_SIGHTINGS} frames each, of {read}: film for longer"
         )
-    if len(believed.ids) > MAX_TAGS:
+    if len(accepted.ids) > MAX_TAGS:
         raise BodyLearningError(
-            f"{len(believed.ids)} ids were seen ({_named(believed.ids.tolist())}), a body wears at most {MAX_TAGS}: "
+            f"{len(accepted.ids)} ids were seen ({_named(accepted.ids.tolist())}), a body wears at most {MAX_TAGS}: "
             "name those that are not on the robot with --ignore ID"
         )
-    return Collected(believed, read, undecodable, rare)
+    return Collected(accepted, read, undecodable, rare)
 
 
 def _named(ids: Iterable[int]) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from pilotfish.body_learning.projection import project
 from pilotfish.body_learning.rigid import moved, skew, transform
 from pilotfish.body_learning.sightings import Sightings
-from pilotfish.core import BodyTag, CameraModel, LeaderBody, TagSighting
+from pilotfish.core import BodyTag, CameraModel, LeaderBody, TagDetection
 from pilotfish.vision import estimate_leader_pose
 
 _ITERATIONS = 15
@@ -29,7 +29,7 @@ def both_tag_poses(camera: CameraModel, sightings: Sightings) -> tuple[np.ndarra
     usable = np.zeros(len(sightings), dtype=bool)
     for k, (tag, corners_px) in enumerate(zip(sightings.tag, sightings.corners_px, strict=True)):
         body_tag = BodyTag(size_m=float(sightings.sizes_m[tag]), facing_rad=math.pi)
-        seen = TagSighting(id=body_tag.id, corners_px=corners_px)
+        seen = TagDetection(id=body_tag.id, corners_px=corners_px)
         pose = estimate_leader_pose(camera=camera, body=LeaderBody([body_tag]), tags=[seen])
         if pose is not None:
             first[k], usable[k] = pose.cMo @ body_tag.oMt, True

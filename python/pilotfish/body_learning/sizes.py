@@ -34,16 +34,16 @@ def check_sizes_roughly(sightings: Sightings, pairs: list[Pair]) -> None:
         rows[k, [pair.a, pair.b]], logs[k] = [-weight, weight], weight * np.log(pair.b_larger_by)
     rows[-1] = 1e-3  # the scale that is free: about none
     log_scale = np.linalg.lstsq(rows, logs, rcond=None)[0]
-    _judge(sightings, log_scale, np.zeros(tags), REFUSE_ROUGHLY_BEYOND, 0)
+    _check(sightings, log_scale, np.zeros(tags), REFUSE_ROUGHLY_BEYOND, 0)
 
 
 def check_sizes(camera: CameraModel, sightings: Sightings, estimate: Estimate, reference: int) -> tuple[str, ...]:
     """Warnings about tags that are larger or smaller than was said; BodyLearningError if by more than 3 %."""
     log_scale, sigma = _measured(camera, sightings, estimate, reference)
-    return _judge(sightings, log_scale, sigma, REFUSE_BEYOND, reference)
+    return _check(sightings, log_scale, sigma, REFUSE_BEYOND, reference)
 
 
-def _judge(
+def _check(
     sightings: Sightings, log_scale: np.ndarray, sigma: np.ndarray, refuse_beyond: float, reference: int
 ) -> tuple[str, ...]:
     # Whose size is wrong if they do not fit? Most are right: the median tag is. Of two, neither can be blamed.

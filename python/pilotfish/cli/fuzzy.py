@@ -120,7 +120,7 @@ def explain(
       pilotfish fuzzy explain data/fuzzy/coordination.yaml --e -0.2 --out out/why.png
     """
     from pilotfish import fuzzy
-    from pilotfish.cli.fuzzy_tables import fired_table
+    from pilotfish.cli.fuzzy_tables import firing_table
     from pilotfish.fuzzy_report import load
     from pilotfish.plots.fuzzy_explanation import draw_explanation
     from pilotfish.plots.style import save
@@ -128,7 +128,7 @@ def explain(
     with friendly_errors():
         controller = load(file)
         widths = fuzzy.InputWidths(error=width_error, error_change=width_error_change)
-        console.print(fired_table(controller, fuzzy.explain(controller, error, error_change, widths)))
+        console.print(firing_table(controller, fuzzy.explain(controller, error, error_change, widths)))
         if out is not None:
             console.print(
                 f"wrote {save(draw_explanation(controller, error, error_change, widths), out)}", soft_wrap=True

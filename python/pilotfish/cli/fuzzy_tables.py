@@ -60,19 +60,19 @@ def figures_table(report: Report) -> Table:
     return table
 
 
-def fired_table(controller: fuzzy.Controller, explanation: fuzzy.Explanation) -> Table:
+def firing_table(controller: fuzzy.Controller, explanation: fuzzy.Explanation) -> Table:
     """The rules that fire, strongest first, and the output."""
-    heights = ", ".join(
+    term_strengths = ", ".join(
         f"{label} at {height:.2f}"
-        for label, height in zip(controller.output.labels, explanation.heights, strict=True)
+        for label, height in zip(controller.output.labels, explanation.term_strengths, strict=True)
         if height > 0
     )
-    caption = f"{controller.output.name} = {explanation.inference.output:+.4f}, the centroid of {heights}"
+    caption = f"{controller.output.name} = {explanation.inference.output:+.4f}, the centroid of {term_strengths}"
     table = Table(
         title="Rules that fire, strongest first", title_justify="left", caption=caption, caption_justify="left"
     )
     table.add_column("rule")
     table.add_column("strength", justify="right")
-    for fired in explanation.fired:
-        table.add_row(fired.text.rsplit(",", 1)[0], f"{fired.strength:.4f}")
+    for firing in explanation.firing:
+        table.add_row(firing.text.rsplit(",", 1)[0], f"{firing.strength:.4f}")
     return table

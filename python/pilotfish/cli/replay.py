@@ -75,7 +75,7 @@ def _table(report: ReplayReport, from_pixels: bool) -> Table:
     }
     if from_pixels:
         rows["frames seen again, compared"] = report.sights
-        rows["frames without their JPEG"] = report.sights_unchecked
+        rows["frames without their JPEG"] = report.observations_unchecked
     rows["differences"] = report.differences
     for name, value in rows.items():
         table.add_row(name, str(value))

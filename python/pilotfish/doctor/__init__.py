@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pilotfish.doctor import bus_ears, devices, network, programs, system
+from pilotfish.doctor import bus_checks, devices, network, programs, system
 from pilotfish.doctor.finding import Finding, Verdict, note
 from pilotfish.doctor.host import Host
 
@@ -45,7 +45,7 @@ def examine(
     if any(finding.check == "multicast" and finding.verdict is Verdict.wrong for finding in found):
         found.append(note("bus", "not listened to: it would hear nothing"))
     else:
-        look("bus", lambda: bus_ears.check_bus(lcm_url, listen_s))
+        look("bus", lambda: bus_checks.check_bus(lcm_url, listen_s))
     look("firewall", lambda: system.check_firewall(host))
     look("camera", lambda: devices.check_cameras(host))
     look("serial line", lambda: devices.check_serial_lines(host))

@@ -11,13 +11,13 @@ from pilotfish.doctor.host import Host
 
 def check_cameras(host: Host) -> Finding:
     devices = host.find("/dev", "video[0-9]*")
-    return _judge(host, "camera", devices, "video", lambda device: _camera_name(host, device))
+    return _check(host, "camera", devices, "video", lambda device: _camera_name(host, device))
 
 
 def check_serial_lines(host: Host) -> Finding:
     """Adapters and on-board lines of small computers; a PC's ttyS exist whether something is there or not."""
     devices = [line for pattern in ("ttyUSB*", "ttyACM*", "ttyAMA*") for line in host.find("/dev", pattern)]
-    return _judge(host, "serial line", devices, "dialout", lambda device: device.name)
+    return _check(host, "serial line", devices, "dialout", lambda device: device.name)
 
 
 def _camera_name(host: Host, device: Path) -> str:
@@ -25,7 +25,7 @@ def _camera_name(host: Host, device: Path) -> str:
     return f"{device.name} ({name})" if name else device.name
 
 
-def _judge(host: Host, what: str, devices: Sequence[Path], group: str, name_of) -> Finding:
+def _check(host: Host, what: str, devices: Sequence[Path], group: str, name_of) -> Finding:
     if not devices:
         return note(what, "none on this host")
     closed = [device for device in devices if not host.may_use(device)]

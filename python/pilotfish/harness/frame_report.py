@@ -28,7 +28,7 @@ class FrameReport:
     heading_rad: float | None
     reprojection_error_px: float | None
     ambiguity_ratio: float | None
-    heading_doubt: float | None  # probability that the heading is of the wrong one of the two solutions
+    heading_ambiguity: float | None  # probability that the heading is of the wrong one of the two solutions
     found_by: str | None  # track, region, frame: where the tags were found
     tag_ids: tuple[int, ...]
     decision_margins: tuple[float, ...]  # one a tag
@@ -38,12 +38,12 @@ class FrameReport:
     error_m: float | None
     error_change_m: float | None
     output: float | None  # u of the fuzzy law, normalised
-    trust: float | None  # share of the feed-forward in the command
+    feed_forward_weight: float | None  # share of the feed-forward in the command
     leader_radial_mps: float | None  # the leader's own speed along the line of sight, as estimated
     leader_tangential_mps: float | None
     leader_turn_rate_radps: float | None
-    own_motion: str | None  # commanded, odometry
-    announcement: str | None  # silent, probation, agrees, used, suspended
+    ego_motion: str | None  # commanded, odometry
+    leader_intent: str | None  # silent, probation, agrees, used, suspended
     latency_s: float | None  # to the command, median over the last frames; None in this process, which has no camera
     latency_from_exposure: bool  # else from the frame's arrival
 
@@ -61,7 +61,7 @@ class FrameReport:
             heading_rad=seen.heading_rad if seen else None,
             reprojection_error_px=seen.reprojection_error_px if seen else None,
             ambiguity_ratio=seen.ambiguity_ratio if seen else None,
-            heading_doubt=seen.heading_doubt if seen else None,
+            heading_ambiguity=seen.heading_ambiguity if seen else None,
             found_by=seen.found_by.name if seen else None,
             tag_ids=tuple(tag.id for tag in seen.tags) if seen else (),
             decision_margins=tuple(tag.decision_margin for tag in seen.tags) if seen else (),
@@ -71,12 +71,12 @@ class FrameReport:
             error_m=law.error_m if law else None,
             error_change_m=law.error_change_m if law else None,
             output=law.inference.output if law else None,
-            trust=output.trust if output else None,
+            feed_forward_weight=output.feed_forward_weight if output else None,
             leader_radial_mps=leader.radial_mps if leader else None,
             leader_tangential_mps=leader.tangential_mps if leader else None,
             leader_turn_rate_radps=leader.turn_rate_radps if leader else None,
-            own_motion=output.own_motion.name if output else None,
-            announcement=output.announcement.name if output else None,
+            ego_motion=output.ego_motion.name if output else None,
+            leader_intent=output.leader_intent.name if output else None,
             latency_s=None,
             latency_from_exposure=False,
         )

@@ -14,7 +14,7 @@ from typing import Any
 
 from pilotfish import coordinator, sim
 from pilotfish.core import Frame, Twist
-from pilotfish.harness.drawn_sight import DrawnSight
+from pilotfish.harness.drawn_observations import DrawnObservations
 from pilotfish.harness.driving import Driving
 from pilotfish.harness.frame_report import FrameReport
 from pilotfish.harness.run import OnProgress, Run, measured
@@ -46,7 +46,7 @@ def run_in_process(
     tuning: Path | None = None,
     spec: sim.Scenario | None = None,
     configure: Configure | None = None,
-    drawn: DrawnSight | None = None,
+    drawn: DrawnObservations | None = None,
     tell: Tell | None = None,
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,

@@ -27,15 +27,15 @@ def draw_distance_error(recording: Recording, title: str) -> Figure:
 def draw_error_on(axes: Axes, recording: Recording) -> None:
     """e(t) with the band around the steady-state error."""
     metrics = evaluate(recording)
-    time_s, standing_m = recording.time_s - recording.time_s[0], metrics.steady_state_error_m
+    time_s, steady_state_m = recording.time_s - recording.time_s[0], metrics.steady_state_error_m
     axes.axhline(0.0, color=SETPOINT, linewidth=0.8)
     axes.plot(time_s, recording.distance_error_m, color=FOLLOWER, label="$e = d_p - d$")
-    band = (standing_m - SETTLING_BAND_M, standing_m + SETTLING_BAND_M)
+    band = (steady_state_m - SETTLING_BAND_M, steady_state_m + SETTLING_BAND_M)
     band_label = f"steady-state error ± {1000 * SETTLING_BAND_M:.0f} mm"
     axes.axhspan(*band, color=STANDING, alpha=0.15, linewidth=0, label=band_label)
     steady = time_s[steady_window(recording.time_s)]
-    standing_label = f"steady-state error {1000 * standing_m:+.0f} mm"
-    axes.plot(steady[[0, -1]], [standing_m] * 2, color=STANDING, linewidth=2.5, label=standing_label)
+    steady_label = f"steady-state error {1000 * steady_state_m:+.0f} mm"
+    axes.plot(steady[[0, -1]], [steady_state_m] * 2, color=STANDING, linewidth=2.5, label=steady_label)
     if metrics.settling_time_s is not None:
         settled_label = f"settled after {metrics.settling_time_s:.1f} s"
         axes.axvline(metrics.settling_time_s, color=SETPOINT, linestyle=":", linewidth=1.2, label=settled_label)

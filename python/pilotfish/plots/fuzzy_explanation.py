@@ -37,6 +37,6 @@ def draw_explanation(
             f"{controller.output.name} = {explanation.inference.output:.4f}, the centroid of the shaded set"
         )
         below.set_ylabel("degree")
-        rules = "\n".join(fired.text for fired in explanation.fired[:_RULES])
+        rules = "\n".join(firing.text for firing in explanation.firing[:_RULES])
         figure.suptitle(rules, x=0.02, ha="left", fontsize=10, family="monospace")
     return figure

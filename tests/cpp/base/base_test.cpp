@@ -27,7 +27,7 @@ constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-CommandHeard command(std::int64_t counter) { return {5, counter, 9, {0.3, 0.1}, false}; }
+ReceivedCommand command(std::int64_t counter) { return {5, counter, 9, {0.3, 0.1}, false}; }
 CommandGuard guard() { return CommandGuard({}, 9, false); }
 
 TEST(CommandGuard, ObeysACommandForItsLifeAndNotAMicrosecondLonger) {
@@ -60,7 +60,7 @@ TEST(CommandGuard, IsAtItsEndWithTheLargestCounter) {
 
 TEST(CommandGuard, ObeysNoNewSenderWhenItCanRememberNoMore) {
   CommandGuard wheels = guard();
-  CommandHeard stranger = command(1);
+  ReceivedCommand stranger = command(1);
   for (std::size_t i = 0; i < CommandGuard::kSessions; ++i) {
     stranger.session = 100 + static_cast<std::int64_t>(i);
     wheels.hear(stranger, {1'000'000}, {1'000'000});
@@ -77,7 +77,7 @@ TEST(CommandGuard, AsksForNoMemory) {
   CommandGuard wheels = guard();
   EXPECT_EQ(tests::memory_asked_for([&] {
               for (std::int64_t i = 1; i < 2000; ++i) {
-                CommandHeard each = command(i);
+                ReceivedCommand each = command(i);
                 each.session = 1 + i % 1500;
                 wheels.hear(each, {i * 1000}, {i * 1000});
                 wheels.command_at({i * 1000});

@@ -17,8 +17,8 @@ using namespace pilotfish::control;
 static_assert(std::is_nothrow_move_constructible_v<Follower> && std::is_nothrow_move_assignable_v<Follower>);
 static_assert(!std::is_copy_constructible_v<Follower> && !std::is_copy_assignable_v<Follower>);  // it owns its law
 static_assert(!std::is_convertible_v<FollowerConfig, Follower>);
-static_assert(noexcept(std::declval<Follower&>().set_own_motion(0, Twist{})));
-static_assert(noexcept(std::declval<Follower&>().set_announced_motion(0, Twist{})));
+static_assert(noexcept(std::declval<Follower&>().set_ego_motion(0, Twist{})));
+static_assert(noexcept(std::declval<Follower&>().set_leader_intent(0, Twist{})));
 static_assert(noexcept(std::declval<Follower&>().restart_on_new_clock()));
 
 constexpr std::int64_t kPeriod_us = 33'333;
@@ -73,8 +73,8 @@ TEST_P(EveryProfile, AsksForNoMemoryWhileItFollows) {
   follower.follow(frame(0), {});
   const auto asked = tests::memory_asked_for([&] {
     for (int i = 1; i < 300; ++i) {
-      follower.set_own_motion(frame(i).utime, {0.1, 0.0});
-      follower.set_announced_motion(frame(i).utime, {0.3, 0.0});
+      follower.set_ego_motion(frame(i).utime, {0.1, 0.0});
+      follower.set_leader_intent(frame(i).utime, {0.3, 0.0});
       follower.follow(frame(i), {});
       if (i % 50 == 0) follower.restart(frame(i).utime);
     }

@@ -180,7 +180,7 @@ TEST(Follower, LeavesNoLawBehindWhenItCannotBeMade) {
   FollowerConfig config = driven_by(counted_law("counted"));
   config.law = tests::even_controller();
   config.law.rules.consequents[0] = 99;  // seen after the law has been made
-  EXPECT_THROW(Follower{config}, fuzzy::ProofError);
+  EXPECT_THROW(Follower{config}, fuzzy::ValidationError);
   EXPECT_EQ(CountedLaw::alive, 0);
 }
 

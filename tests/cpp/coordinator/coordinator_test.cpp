@@ -15,13 +15,13 @@ namespace {
 using namespace pilotfish;
 
 static_assert(noexcept(std::declval<Coordinator&>().step(std::declval<const Frame&>(), MonotonicTime{})));
-static_assert(noexcept(std::declval<Coordinator&>().answer(0, vision::Sight{}, MonotonicTime{})));
+static_assert(noexcept(std::declval<Coordinator&>().step_observation(0, vision::ObservationResult{}, MonotonicTime{})));
 static_assert(noexcept(std::declval<const Coordinator&>().command_at(MonotonicTime{})));
 static_assert(noexcept(std::declval<Coordinator&>().set_setpoint(Setpoint{})));
-static_assert(noexcept(std::declval<Coordinator&>().set_own_motion(0, Twist{})));
-static_assert(noexcept(std::declval<Coordinator&>().set_announced_motion(0, Twist{})));
+static_assert(noexcept(std::declval<Coordinator&>().set_ego_motion(0, Twist{})));
+static_assert(noexcept(std::declval<Coordinator&>().set_leader_intent(0, Twist{})));
 static_assert(std::is_nothrow_move_constructible_v<Coordinator>);
-static_assert(!std::is_copy_constructible_v<Coordinator>);  // the eyes have no copy
+static_assert(!std::is_copy_constructible_v<Coordinator>);  // the vision have no copy
 static_assert(!std::is_convertible_v<CoordinatorConfig, Coordinator>);
 // A watchdog that has a const one can change nothing through what it gets.
 static_assert(std::is_same_v<decltype(std::declval<const Coordinator&>().held()), const HeldCommand&>);
@@ -40,8 +40,8 @@ CoordinatorConfig config() {
 }
 
 /// The leader, 1.2 m away: 0.2 m too far.
-vision::Sight leader_seen(std::int64_t utime, double distance_m = 1.2) {
-  vision::Sight sight;
+vision::ObservationResult leader_seen(std::int64_t utime, double distance_m = 1.2) {
+  vision::ObservationResult sight;
   sight.observation.emplace();
   sight.observation->utime = utime;
   sight.observation->distance_m = distance_m;
@@ -52,7 +52,7 @@ vision::Sight leader_seen(std::int64_t utime, double distance_m = 1.2) {
 void drive(Coordinator& coordinator, std::int64_t first, int count) {
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t utime = first + i * kPeriod_us;
-    coordinator.answer(utime, leader_seen(utime), {utime});
+    coordinator.step_observation(utime, leader_seen(utime), {utime});
   }
 }
 
@@ -112,7 +112,7 @@ TEST(Coordinator, GoesOnWithTheSameBitsAfterAMove) {
   drive(moved, 5 * kPeriod_us, 5);
   drive(twin, 5 * kPeriod_us, 5);
   EXPECT_EQ(moved.memory().decisions, twin.memory().decisions);
-  EXPECT_EQ(moved.memory().eyes, twin.memory().eyes);
+  EXPECT_EQ(moved.memory().vision, twin.memory().vision);
 }
 
 TEST(Coordinator, TakesNoMemoryThatIsCutShortAndChangesNothing) {
@@ -125,10 +125,10 @@ TEST(Coordinator, TakesNoMemoryThatIsCutShortAndChangesNothing) {
     cut.decisions.resize(size);
     ASSERT_FALSE(coordinator.set_memory(cut)) << size;
     ASSERT_EQ(coordinator.memory().decisions, before.decisions) << size;
-    ASSERT_EQ(coordinator.memory().eyes, before.eyes) << size;
+    ASSERT_EQ(coordinator.memory().vision, before.vision) << size;
   }
   CoordinatorMemory blind = whole;
-  blind.eyes.pop_back();
+  blind.vision.pop_back();
   EXPECT_FALSE(coordinator.set_memory(blind));
   EXPECT_EQ(coordinator.memory().decisions, before.decisions);
   EXPECT_TRUE(coordinator.set_memory(whole));
@@ -140,7 +140,7 @@ TEST(Coordinator, StandsStillWhenALawIsNoNumber) {
   own.control.laws.push_back({"nan", "", {}, [](const auto&, const auto&) { return std::make_unique<NotANumber>(); }});
   own.control.active_law = "nan";
   Coordinator coordinator(own);
-  const StepResult result = coordinator.answer(0, leader_seen(0), {0});
+  const StepResult result = coordinator.step_observation(0, leader_seen(0), {0});
   EXPECT_EQ(result.reason, Reason::law_not_finite);
   EXPECT_EQ(result.command, Twist{});
   EXPECT_TRUE(result.observation.has_value());  // so that a recording has it
@@ -149,7 +149,7 @@ TEST(Coordinator, StandsStillWhenALawIsNoNumber) {
 TEST(Coordinator, StandsStillWhenTheMeasurementIsNoNumber) {
   Coordinator coordinator(config());
   drive(coordinator, 0, 3);
-  const StepResult result = coordinator.answer(100'000, leader_seen(100'000, std::nan("")), {100'000});
+  const StepResult result = coordinator.step_observation(100'000, leader_seen(100'000, std::nan("")), {100'000});
   EXPECT_EQ(result.reason, Reason::law_not_finite);
   EXPECT_EQ(coordinator.command_at({100'000}).command, Twist{});
 }
@@ -157,7 +157,7 @@ TEST(Coordinator, StandsStillWhenTheMeasurementIsNoNumber) {
 TEST(Coordinator, HoldsACommandAtTheEndOfTheClock) {
   // 100 ms after the last instant is no instant: the deadline must not wrap around, nor be undefined.
   Coordinator coordinator(config());
-  coordinator.answer(kLast, leader_seen(kLast), {kLast});
+  coordinator.step_observation(kLast, leader_seen(kLast), {kLast});
   EXPECT_EQ(coordinator.held().until.us, kLast);
   EXPECT_EQ(coordinator.command_at({kLast}).status, Status::coasting);
 }
@@ -168,7 +168,8 @@ TEST(Coordinator, BearsStampsFromOneEndOfTimeToTheOther) {
   std::int64_t now = 0;
   for (int round = 0; round < 8; ++round)
     for (std::int64_t utime : stamps)
-      EXPECT_TRUE(is_finite(coordinator.answer(utime, leader_seen(utime), {now += kPeriod_us}, utime).command));
+      EXPECT_TRUE(
+          is_finite(coordinator.step_observation(utime, leader_seen(utime), {now += kPeriod_us}, utime).command));
 }
 
 TEST(Coordinator, KeepsItsSetpointWhenItRefusesAnother) {

@@ -73,7 +73,7 @@ TEST(HeldCommand, StandsStillWhenItIsToldToWhateverElseHolds) {
     const HeldAnswer answer = held.at({50}, reason);
     EXPECT_EQ(answer.command, Twist{});
     EXPECT_EQ(answer.status, Status::stopped);
-    EXPECT_EQ(answer.reason, Reason::told_to_stop);
+    EXPECT_EQ(answer.reason, Reason::stop_requested);
   }
 }
 

@@ -98,7 +98,7 @@ TEST(Checkpoint, BelievesNoCountBeyondAListsCapacity) {
     Bytes bytes;
     CheckpointWriter writer(bytes);
     writer(count);
-    bytes.resize(bytes.size() + 8 * 8);  // what would be read if it were believed
+    bytes.resize(bytes.size() + 8 * 8);  // what would be read if it were accepted
     BoundedVector<std::int64_t, 4> list;
     list.push_back(42);
     CheckpointReader reader(bytes);

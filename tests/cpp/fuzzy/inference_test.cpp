@@ -14,7 +14,7 @@ namespace {
 using namespace pilotfish::fuzzy;
 using pilotfish::tests::even_controller;
 using pilotfish::tests::even_terms;
-using pilotfish::tests::proved_controller;
+using pilotfish::tests::validated_controller;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -25,11 +25,11 @@ static_assert(noexcept(clipped_union_moments(std::declval<const LinguisticVariab
 static_assert(std::is_nothrow_move_constructible_v<Controller> && std::is_nothrow_move_assignable_v<Controller>);
 static_assert(std::is_trivially_copyable_v<Inference>);  // goes through the control loop with every frame
 
-/// Where prove() sees a fault; "nowhere" if it sees none.
+/// Where validate() sees a fault; "nowhere" if it sees none.
 std::string fault(Controller controller) {
   try {
-    prove(controller);
-  } catch (const ProofError& error) {
+    validate(controller);
+  } catch (const ValidationError& error) {
     EXPECT_EQ(std::string(error.what()), error.where() + ": " + error.problem());
     return error.where();
   }
@@ -39,7 +39,7 @@ std::string fault(Controller controller) {
 TEST(Inference, FiresTheTwoRulesThatShareTheMiddle) {
   // E = 0 is half way between the peaks of rows 3 and 4 at -+1/7, EC = 0 is the peak of column 3: two rules at 1/2.
   // Both say the middle term, which is even about 0.
-  const Inference inference = infer(proved_controller(), 0.0, 0.0);
+  const Inference inference = infer(validated_controller(), 0.0, 0.0);
   EXPECT_NEAR(inference.output, 0.0, 1e-15);
   for (std::size_t rule = 0; rule < kPaperRules; ++rule) {
     const bool fires = rule == 3 * kPaperColumns + 3 || rule == 4 * kPaperColumns + 3;
@@ -50,24 +50,24 @@ TEST(Inference, FiresTheTwoRulesThatShareTheMiddle) {
 TEST(Inference, IsTheCentroidOfTheTermAtTheEndOfTheUniverse) {
   // E = -1 fires row 0 alone, which says U6: the half triangle from 2/3 to 1 that rises to its right end. Its centroid
   // is two thirds of the way along: 2/3 + 2/9 = 8/9.
-  EXPECT_NEAR(infer(proved_controller(), -1.0, 0.0).output, 8.0 / 9.0, 1e-12);
+  EXPECT_NEAR(infer(validated_controller(), -1.0, 0.0).output, 8.0 / 9.0, 1e-12);
 }
 
 TEST(Inference, IsOddWhereTheRulesAre) {
-  const Controller controller = proved_controller();
+  const Controller controller = validated_controller();
   for (double e = -1.0; e <= 1.0; e += 0.0625)
     EXPECT_NEAR(infer(controller, e, 0.25).output, -infer(controller, -e, 0.25).output, 1e-12) << e;
 }
 
 TEST(Inference, SaturatesBeyondTheUniverse) {
-  const Controller controller = proved_controller();
+  const Controller controller = validated_controller();
   const double at_the_end = infer(controller, 1.0, -1.0).output;
   EXPECT_EQ(infer(controller, 7.0, -1e300).output, at_the_end);
   EXPECT_EQ(infer(controller, kInfinity, -kInfinity).output, at_the_end);
 }
 
 TEST(Inference, IsNoNumberWhereNothingWasMeasured) {
-  const Controller controller = proved_controller();
+  const Controller controller = validated_controller();
   EXPECT_TRUE(std::isnan(infer(controller, std::nan(""), 0.0).output));
   EXPECT_TRUE(std::isnan(infer(controller, 0.0, std::nan("")).output));
   EXPECT_TRUE(std::isnan(infer(controller, 0.0, 0.0, {kInfinity, 0.0}).output));
@@ -80,14 +80,14 @@ TEST(Inference, IsNoNumberWithoutAProof) {
 }
 
 TEST(Inference, HasTheSameBitsWithoutItsReasons) {
-  const Controller controller = proved_controller();
+  const Controller controller = validated_controller();
   for (double e = -1.25; e <= 1.25; e += 0.09)
     EXPECT_EQ(infer_output(controller, e, e / 2, {0.1, 0.2}), infer(controller, e, e / 2, {0.1, 0.2}).output);
 }
 
 TEST(Inference, AsksForNoMemory) {
   PILOTFISH_NEEDS_ALLOCATION_COUNTER();
-  const Controller controller = proved_controller();
+  const Controller controller = validated_controller();
   const auto asked = pilotfish::tests::memory_asked_for([&] {
     double sum = 0.0;
     for (double e = -1.5; e <= 1.5; e += 0.01)
@@ -99,7 +99,7 @@ TEST(Inference, AsksForNoMemory) {
 }
 
 TEST(Controller, InfersTheSameInACopyAndAfterAMove) {
-  Controller original = proved_controller();
+  Controller original = validated_controller();
   const double output = infer(original, 0.3, -0.2).output;
   const Controller copy = original;
   const Controller moved = std::move(original);
@@ -108,19 +108,19 @@ TEST(Controller, InfersTheSameInACopyAndAfterAMove) {
 }
 
 TEST(Controller, InfersTheSameAfterItsCopyIsProvedAnewWithOtherRules) {
-  const Controller original = proved_controller();
+  const Controller original = validated_controller();
   const double output = infer(original, 0.9, 0.0).output;
   Controller other = original;
   other.rules.consequents.assign(kPaperRules, 6);
-  prove(other);
+  validate(other);
   EXPECT_EQ(infer(original, 0.9, 0.0).output, output);  // they share no plan any more
   EXPECT_NE(infer(other, 0.9, 0.0).output, output);
 }
 
 TEST(Prove, LeavesNoProofBehindWhenItFails) {
-  Controller controller = proved_controller();
+  Controller controller = validated_controller();
   controller.error.terms.push_back({"E8", Triangle{0.5, 1.0, 1.5}});  // a ninth, for which there is no rule
-  EXPECT_THROW(prove(controller), ProofError);
+  EXPECT_THROW(validate(controller), ValidationError);
   EXPECT_EQ(controller.plan, nullptr);
   EXPECT_TRUE(std::isnan(infer(controller, 1.0, 0.0).output));
   EXPECT_TRUE(std::isnan(infer(controller, 1.0, 0.0, {0.1, 0.1}).output));  // a wide input touches every term
@@ -156,8 +156,8 @@ TEST(Prove, SeesATermOutsideTheUniverse) {
 
 TEST(LinguisticVariable, HasAtMostSixteenTerms) {
   EXPECT_NO_THROW(validate(even_terms("X", kMaxTerms)));
-  EXPECT_THROW(validate(even_terms("X", kMaxTerms + 1)), ProofError);
-  EXPECT_THROW(validate(LinguisticVariable{"X", -1.0, 1.0, {}}), ProofError);
+  EXPECT_THROW(validate(even_terms("X", kMaxTerms + 1)), ValidationError);
+  EXPECT_THROW(validate(LinguisticVariable{"X", -1.0, 1.0, {}}), ValidationError);
 }
 
 TEST(LinguisticVariable, ListsItsLabelsToWhoAsksForAnother) {

@@ -30,7 +30,7 @@ LeaderBody body() {
 
 TEST(LeaderObserver, MeasuresAMetreWhereItMustBeOne) {
   LeaderObserver observer(camera(), {}, body(), {});
-  const Sight sight = observer.observe(tests::tag_frame(7));
+  const ObservationResult sight = observer.observe(tests::tag_frame(7));
   ASSERT_TRUE(sight.observation.has_value()) << to_string(sight.reason);
   EXPECT_NEAR(sight.observation->distance_m, 1.0, 0.01);
   EXPECT_NEAR(sight.observation->bearing_rad, 0.0, 0.002);
@@ -40,7 +40,7 @@ TEST(LeaderObserver, StillTracksAfterAMove) {
   LeaderObserver observer(camera(), {}, body(), {});
   ASSERT_TRUE(observer.observe(tests::tag_frame(7, 0)).observation.has_value());
   LeaderObserver moved = std::move(observer);
-  const Sight sight = moved.observe(tests::tag_frame(7, 33'333));
+  const ObservationResult sight = moved.observe(tests::tag_frame(7, 33'333));
   ASSERT_TRUE(sight.observation.has_value()) << to_string(sight.reason);
   EXPECT_EQ(sight.observation->found_by, FoundBy::track);  // it knows where the leader was
   EXPECT_EQ(moved.whole_picture_searches(), 1);
@@ -50,14 +50,14 @@ TEST(LeaderObserver, SearchesAgainAfterItHasForgotten) {
   LeaderObserver observer(camera(), {}, body(), {});
   observer.observe(tests::tag_frame(7, 0));
   observer.forget();
-  const Sight sight = observer.observe(tests::tag_frame(7, 33'333));
+  const ObservationResult sight = observer.observe(tests::tag_frame(7, 33'333));
   ASSERT_TRUE(sight.observation.has_value()) << to_string(sight.reason);
   EXPECT_EQ(sight.observation->found_by, FoundBy::frame);
 }
 
 TEST(LeaderObserver, DoesNotTakeAStrangersTag) {
   LeaderObserver observer(camera(), {}, body(), {});
-  const Sight sight = observer.observe(tests::tag_frame(8));
+  const ObservationResult sight = observer.observe(tests::tag_frame(8));
   EXPECT_FALSE(sight.observation.has_value());
   EXPECT_EQ(sight.reason, Reason::no_tag_of_the_leader);
   EXPECT_EQ(observer.rejected().foreign_id, 1);

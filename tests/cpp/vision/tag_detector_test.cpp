@@ -22,7 +22,7 @@ static_assert(noexcept(std::declval<TagDetector&>().detect(std::declval<const Im
 /// The ids found in a picture of tag `id`.
 std::vector<int> found_in_picture_of(TagDetector& detector, int id) {
   std::vector<int> ids;
-  for (const TagSighting& tag : detector.detect(tests::tag_frame(id).image).tags) ids.push_back(tag.id);
+  for (const TagDetection& tag : detector.detect(tests::tag_frame(id).image).tags) ids.push_back(tag.id);
   return ids;
 }
 

@@ -11,7 +11,7 @@ from pilotfish import control, core, sim
 
 PERIOD_US = 10_000
 AS_MEASURED = control.DriveModelConfig(odometry_filter_s=0.0)
-commanded, odometry = control.OwnMotionSource.commanded, control.OwnMotionSource.odometry
+commanded, odometry = control.EgoMotionSource.commanded, control.EgoMotionSource.odometry
 
 
 def twist(linear_mps=0.0, angular_radps=0.0):
@@ -19,7 +19,7 @@ def twist(linear_mps=0.0, angular_radps=0.0):
 
 
 def moved(config=AS_MEASURED, at_utime=0):
-    own = control.OwnMotion(config)
+    own = control.EgoMotion(config)
     own.advance_to(at_utime)
     return own
 
@@ -167,7 +167,7 @@ def test_of_more_than_it_can_hold_the_oldest_are_forgotten():
 )
 def test_whatever_it_is_told_the_pose_and_the_twist_stay_finite(calls, filter_s):
     """At any times an int64 can say, in any order. What is commanded is finite and within the limits: the law's are."""
-    own = control.OwnMotion(control.DriveModelConfig(odometry_filter_s=filter_s))
+    own = control.EgoMotion(control.DriveModelConfig(odometry_filter_s=filter_s))
     for what, utime, linear_mps, angular_radps in calls:
         if what == "advance_to":
             own.advance_to(utime)

@@ -1,4 +1,4 @@
-#include "pilotfish/control/own_motion.hpp"
+#include "pilotfish/control/ego_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,12 @@ Twist plus(const Twist& a, const Twist& b, double factor) {
   return {a.linear_mps + factor * b.linear_mps, a.angular_radps + factor * b.angular_radps};
 }
 
-std::int64_t covered_until(std::int64_t measured_utime) { return later_s(measured_utime, OwnMotion::kCovered_s); }
+std::int64_t covered_until(std::int64_t measured_utime) { return later_s(measured_utime, EgoMotion::kCovered_s); }
 
 }  // namespace
 
-std::string_view to_string(OwnMotionSource source) noexcept {
-  return source == OwnMotionSource::odometry ? "odometry" : "commanded";
+std::string_view to_string(EgoMotionSource source) noexcept {
+  return source == EgoMotionSource::odometry ? "odometry" : "commanded";
 }
 
 const std::vector<Parameter<DriveModelConfig>>& DriveModelConfig::parameters() {
@@ -34,15 +34,15 @@ const std::vector<Parameter<DriveModelConfig>>& DriveModelConfig::parameters() {
   return table;
 }
 
-OwnMotion::OwnMotion(const DriveModelConfig& drive, const LimitsConfig& limits) : drive_(drive), limits_(limits) {}
+EgoMotion::EgoMotion(const DriveModelConfig& drive, const LimitsConfig& limits) : drive_(drive), limits_(limits) {}
 
-void OwnMotion::command(const Twist& twist, std::int64_t acts_utime) noexcept {
+void EgoMotion::command(const Twist& twist, std::int64_t acts_utime) noexcept {
   if (!is_finite(twist)) return;  // never obeyed: the coordinator stops instead
   if (pending_.full()) take_first_pending();
   pending_.push_back({twist, acts_utime});
 }
 
-bool OwnMotion::measured(std::int64_t utime, const Twist& twist) noexcept {
+bool EgoMotion::measured(std::int64_t utime, const Twist& twist) noexcept {
   const double fastest_mps = kBeyondLimits * std::max(limits_.max_linear_mps, limits_.max_reverse_mps);
   // Not a number is not within a limit either.
   if (!(std::abs(twist.linear_mps) <= fastest_mps) ||
@@ -55,7 +55,7 @@ bool OwnMotion::measured(std::int64_t utime, const Twist& twist) noexcept {
   return true;
 }
 
-void OwnMotion::advance_to(std::int64_t utime) noexcept {
+void EgoMotion::advance_to(std::int64_t utime) noexcept {
   if (!started_) utime_ = utime;
   started_ = true;
   take_due_measurements();
@@ -74,7 +74,7 @@ void OwnMotion::advance_to(std::int64_t utime) noexcept {
 
 /// Since the measurement before, the error of the model has come to this, in a straight line: the mean of what is added
 /// is half of it, and the way is corrected by that at its end.
-void OwnMotion::take_due_measurements() noexcept {
+void EgoMotion::take_due_measurements() noexcept {
   while (!measured_.empty() && measured_.front().utime <= utime_) {
     const Measured now = measured_.front();
     measured_.pop_front();
@@ -93,17 +93,17 @@ void OwnMotion::take_due_measurements() noexcept {
   }
 }
 
-void OwnMotion::forget_odometry() noexcept {
+void EgoMotion::forget_odometry() noexcept {
   last_measured_utime_.reset();
   model_error_ = Twist{};
 }
 
-void OwnMotion::take_first_pending() noexcept {
+void EgoMotion::take_first_pending() noexcept {
   acting_ = pending_.front().twist;
   pending_.pop_front();
 }
 
-void OwnMotion::drive_for(double duration_s) noexcept {
+void EgoMotion::drive_for(double duration_s) noexcept {
   if (duration_s > kForgotten_s) {
     twist_ = set_value_ = acting_;
     pose_ = move_along_arc(pose_, twist_, duration_s);

@@ -24,7 +24,7 @@ def weak_drive(content):
 
 
 def tell_odometry(world, robot, driver):
-    driver.set_own_motion(world.utime, world.state(robot).twist)
+    driver.set_ego_motion(world.utime, world.state(robot).twist)
 
 
 def test_a_coordinator_with_odometry_drives_as_the_same_code_in_one_process_and_not_as_without(tmp_path):
@@ -37,7 +37,7 @@ def test_a_coordinator_with_odometry_drives_as_the_same_code_in_one_process_and_
     assert outside.command_linear_mps == pytest.approx(inside.command_linear_mps, abs=1e-9)
     assert outside.command_angular_radps == pytest.approx(inside.command_angular_radps, abs=1e-9)
     # The first picture is what tells the time: odometry counts from the second on.
-    assert [report.own_motion for report in reports] == ["commanded"] + ["odometry"] * (len(reports) - 1)
+    assert [report.ego_motion for report in reports] == ["commanded"] + ["odometry"] * (len(reports) - 1)
     without = run_in_process(scenario, **options).recordings["robot1"]
     assert np.abs(without.command_linear_mps - outside.command_linear_mps).max() > 0.01
 
@@ -50,17 +50,19 @@ def stops_after_three_seconds(content):
 def test_behind_a_leader_that_announces_its_stop_the_robot_comes_less_near(tmp_path):
     """One camera latency of 1/30 s earlier at 0.2 m/s: 6.7 mm, from the real programs, pictures and bus."""
     scenario = edited_scenario(tmp_path, "stop_dead", stops_after_three_seconds)
-    listening = ["--announcements-from", "leader"]
-    heard = run_over_lcm(scenario, profile="anticipate", coordinator_options=listening, sim_options=["--announce"])
-    unheard = run_over_lcm(scenario, profile="anticipate", sim_options=["--announce"])
+    listening = ["--leader-intent-from", "leader"]
+    heard = run_over_lcm(
+        scenario, profile="anticipate", coordinator_options=listening, sim_options=["--publish-intent"]
+    )
+    unheard = run_over_lcm(scenario, profile="anticipate", sim_options=["--publish-intent"])
     closest = {
         name: run.recordings["robot1"].distance_error_m[run.recordings["robot1"].time_s >= 3.0].max()
         for name, run in (("heard", heard), ("unheard", unheard))
     }
     assert closest["unheard"] - closest["heard"] == pytest.approx(0.2 / 30, abs=0.002)
-    uses = [report.announcement for report in heard.reports["robot1"]]
+    uses = [report.leader_intent for report in heard.reports["robot1"]]
     assert 1 <= uses.count("used") <= 2 and uses[-1] == "agrees"
-    assert {report.announcement for report in unheard.reports["robot1"]} == {"silent"}
+    assert {report.leader_intent for report in unheard.reports["robot1"]} == {"silent"}
 
 
 class Listening(Onboard):
@@ -83,10 +85,10 @@ def test_the_status_says_how_the_leader_moves_and_how_far_that_is_trusted(tmp_pa
             assert onboard.answer_to(frame).status == command_t.STATUS_TRACKING
         status = onboard.status_of(frames[-1].utime)
     report = json.loads(onboard.child.stdout().splitlines()[9])
-    assert 0.0 < status.trust <= 1.0
-    for key in ("trust", "leader_radial_mps", "leader_tangential_mps", "leader_turn_rate_radps"):
+    assert 0.0 < status.feed_forward_weight <= 1.0
+    for key in ("feed_forward_weight", "leader_radial_mps", "leader_tangential_mps", "leader_turn_rate_radps"):
         assert getattr(status, key) == report[key]
-    assert (status.own_motion, status.announcement) == (status_t.OWN_MOTION_COMMANDED, status_t.ANNOUNCEMENT_SILENT)
+    assert (status.ego_motion, status.leader_intent) == (status_t.EGO_MOTION_COMMANDED, status_t.LEADER_INTENT_SILENT)
     assert status.configured_latency_s == pytest.approx(1 / 30)
     # These pictures carry a time of their own: only the way from their arrival can be measured.
     assert not status.latency_from_exposure and not report["latency_from_exposure"]
@@ -121,10 +123,10 @@ def test_odometry_that_cannot_be_used_is_counted_and_changes_nothing(tmp_path):
         rejected = {c.name: c.count for c in onboard.status_of(frames[-1].utime).rejected}
     assert [core.Twist(linear_mps=a.linear_mps, angular_radps=a.angular_radps) for a in answers] == expected
     assert rejected["pose_not_finite"] == 8
-    assert rejected["own_motion_unusable"] == 16
+    assert rejected["ego_motion_unusable"] == 16
 
 
-def test_without_being_told_to_a_coordinator_hears_neither_odometry_nor_announcements(tmp_path):
+def test_without_configuration_a_coordinator_receives_neither_odometry_nor_leader_intents(tmp_path):
     """ROBOT1_POSE is the truth in simulation, and nobody's business."""
     with Listening(tmp_path) as onboard:
         broken = pose_t()
@@ -134,4 +136,4 @@ def test_without_being_told_to_a_coordinator_hears_neither_odometry_nor_announce
         frame = leader_pictures(1)[0]
         onboard.answer_to(frame)
         names = {c.name for c in onboard.status_of(frame.utime).rejected}
-    assert not names & {"pose_not_finite", "motion_corrupt", "own_motion_unusable", "announcement_unusable"}
+    assert not names & {"pose_not_finite", "motion_corrupt", "ego_motion_unusable", "leader_intent_unusable"}

@@ -45,7 +45,7 @@ def listen(url: str, seconds: float) -> dict[str, Channel]:
     return heard
 
 
-def judge(heard: dict[str, Channel], seconds: float) -> list[Finding]:
+def findings_of(heard: dict[str, Channel], seconds: float) -> list[Finding]:
     """Pure: what the channels mean. One sender of commands a robot, or something is wrong."""
     findings = []
     for name, channel in sorted(heard.items()):
@@ -82,7 +82,7 @@ def _summary(heard: dict[str, Channel], seconds: float) -> Finding:
 
 def check_bus(url: str, seconds: float) -> list[Finding]:
     try:
-        return judge(listen(url, seconds), seconds)
+        return findings_of(listen(url, seconds), seconds)
     except ImportError:
         return [note("bus", "not listened to: the Python package lcm is missing", "pip install lcm")]
     except RuntimeError as error:

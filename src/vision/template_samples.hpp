@@ -11,14 +11,14 @@ namespace pilotfish::vision {
 /// Eight samples at once: what the compiler makes SIMD instructions of.
 using Lanes = Eigen::Array<float, 8, 1>;
 
-/// Pixels that are compared with the print, by column, so that eight of them can be taken at once.
-struct PrintSamples {
+/// Pixels that are compared with the template, by column, so that eight of them can be taken at once.
+struct TemplateSamples {
   static constexpr int kCapacity = 768;
   static constexpr int kNeighbours = 25;
   using Column = Eigen::Array<float, kCapacity, 1>;
 
   int count = 0;
-  int reach = 1;                           ///< R: the print is known (2R + 1) x (2R + 1) cells around each sample
+  int reach = 1;                           ///< R: the template is known (2R + 1) x (2R + 1) cells around each sample
   Column gu, gv;                           ///< where the sample lies in the flat picture, see TagWarp
   Column gray;                             ///< [gray levels]
   Column column_x, row_y;                  ///< middle of the sample's own cell, in tag coordinates
@@ -34,14 +34,14 @@ struct PrintSamples {
 /// rows and along columns.
 inline constexpr double kSampleBlur_px2 = 0.5;
 
-/// Samples on both sides of every edge of the print, at most `spread_px` from it, about `wanted` in all: only what lies
-/// in the ramp of an edge says where the edge is.
+/// Samples on both sides of every edge of the template, at most `spread_px` from it, about `wanted` in all: only what
+/// lies in the ramp of an edge says where the edge is.
 void take_along_edges(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-                      double spread_px, int wanted, PrintSamples& samples);
+                      double spread_px, int wanted, TemplateSamples& samples);
 
 /// The pixels of a small tag, unsmoothed, and those around it as far as the white ring can be relied on: all of them,
 /// or as many as there is room for, spread evenly.
 void take_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-                 PrintSamples& samples);
+                 TemplateSamples& samples);
 
 }  // namespace pilotfish::vision

@@ -1,4 +1,4 @@
-"""Eyes without pictures: measurements drawn from a distribution, for runs that are to be a hundred times faster
+"""Observations without pictures: measurements drawn from a distribution, for runs that are to be a hundred times faster
 than rendering them. Everything behind the observer is the real thing."""
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pilotfish import coordinator, core, sim
 
 
 @dataclass(frozen=True)
-class SightNoise:
+class ObservationNoise:
     """White Gaussian noise of a measurement. By default what rendered pictures of 640 x 480 have, of a leader with
     tags on three faces at 0.65 to 2.4 m, measured in both experiments."""
 
@@ -31,12 +31,12 @@ class SightNoise:
 
 
 @dataclass
-class DrawnSight:
+class DrawnObservations:
     """What a coordinator measures of the leader, drawn around the truth. Nothing outside the camera's view or
     while the leader is hidden."""
 
     seed: int
-    noise: SightNoise = field(default_factory=SightNoise)
+    noise: ObservationNoise = field(default_factory=ObservationNoise)
     scale: float = 1.0  # of the noise; what is claimed stays
     half_view_rad: float = np.radians(26.0)  # the camera's, less half a tag
 
@@ -60,4 +60,4 @@ class DrawnSight:
         )
 
     def answer(self, world: sim.World, robot: str, driver: coordinator.Coordinator) -> coordinator.StepResult:
-        return driver.answer(world.utime, self.look(world, robot), world.utime)
+        return driver.step_observation(world.utime, self.look(world, robot), world.utime)

@@ -21,11 +21,11 @@ struct DriveModelConfig {
 };
 
 /// Where the own motion is taken from.
-enum class OwnMotionSource {
+enum class EgoMotionSource {
   commanded,  ///< the own commands, through the model of the drive
   odometry,   ///< measured twists
 };
-std::string_view to_string(OwnMotionSource source) noexcept;
+std::string_view to_string(EgoMotionSource source) noexcept;
 
 /// Where the robot has got to by its own commands: dead reckoning through a model of the drive (latency, a ramp of the
 /// set value with the limits' acceleration, first-order lag), in an odometry frame that begins where it began. Only
@@ -38,10 +38,10 @@ std::string_view to_string(OwnMotionSource source) noexcept;
 /// without it, by itself.
 ///
 /// A value: copy it to look ahead. No allocation.
-class OwnMotion {
+class EgoMotion {
  public:
   /// At rest, where the odometry frame begins.
-  OwnMotion(const DriveModelConfig& drive, const LimitsConfig& limits);
+  EgoMotion(const DriveModelConfig& drive, const LimitsConfig& limits);
 
   /// From acts_utime on the wheels are told this; commands come in the order in which they act.
   void command(const Twist& twist, std::int64_t acts_utime) noexcept;
@@ -60,8 +60,8 @@ class OwnMotion {
   Twist twist() const {
     return {twist_.linear_mps + model_error_.linear_mps, twist_.angular_radps + model_error_.angular_radps};
   }
-  OwnMotionSource source() const {  ///< of what is known about utime()
-    return last_measured_utime_ ? OwnMotionSource::odometry : OwnMotionSource::commanded;
+  EgoMotionSource source() const {  ///< of what is known about utime()
+    return last_measured_utime_ ? EgoMotionSource::odometry : EgoMotionSource::commanded;
   }
 
   template <class Self, class Archive>

@@ -8,7 +8,7 @@ from types import ModuleType
 
 from bench.vision.baselines import Target, Wheels, apriltag, visp
 from bench.vision.ours import Ours
-from bench.vision.runs import Eye
+from bench.vision.runs import Tracker
 from bench.vision.scenes import LEADER, TAG_ID, TAG_SIZE_M
 from pilotfish import core
 
@@ -21,19 +21,19 @@ ARUCO_SUBPIX, ARUCO_APRILTAG = "ArUco, subpix", "ArUco, apriltag"
 
 @dataclass(frozen=True)
 class Cast:
-    """Makes eyes for a camera, new ones at every call."""
+    """Makes trackers for a camera, new ones at every call."""
 
     compiled: ModuleType
     wheels: Wheels
     target: Target = THE_TARGET
     leader: core.LeaderBody = LEADER
 
-    def eyes(self, camera: core.CameraModel, names: list[str]) -> list[Eye]:
+    def trackers(self, camera: core.CameraModel, names: list[str]) -> list[Tracker]:
         """In the order of `names`."""
         return [self._makers(camera)[name]() for name in names]
 
-    def _makers(self, camera: core.CameraModel) -> dict[str, Callable[[], Eye]]:
-        wheel = self.wheels.eye
+    def _makers(self, camera: core.CameraModel) -> dict[str, Callable[[], Tracker]]:
+        wheel = self.wheels.tracker
         return {
             TRACKED: lambda: Ours(camera, self.leader, tracking=True),
             ACQUIRED: lambda: Ours(camera, self.leader, tracking=False),

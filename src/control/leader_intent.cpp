@@ -1,4 +1,4 @@
-#include "pilotfish/control/announced_motion.hpp"
+#include "pilotfish/control/leader_intent.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@ namespace {
 // Nobody who is followed indoors does that.
 constexpr double kAbsurd_mps = 10.0, kAbsurd_radps = 50.0;
 constexpr double kAhead_s = 0.3;    // of the picture: a camera's latency; later is another clock
-constexpr double kSigmas = 3.0;     // of the estimate, that an announcement may be off
-constexpr double kDeparting = 2.0;  // tolerances, from which on an announcement says something else than vision
+constexpr double kSigmas = 3.0;     // of the estimate, that a leader intent may be off
+constexpr double kDeparting = 2.0;  // tolerances, from which on a leader intent says something else than vision
 
 bool drives_away(const LeaderEstimate& seen, const Pose2& own) {
   return seen.mean.segment<2>(2).dot(seen.mean.head<2>() - Eigen::Vector2d(own.x_m, own.y_m)) > 0.0;
@@ -25,8 +25,8 @@ double no_faster(double seen, double announced) {
 
 }  // namespace
 
-const std::vector<Parameter<AnnouncementConfig>>& AnnouncementConfig::parameters() {
-  using C = AnnouncementConfig;
+const std::vector<Parameter<LeaderIntentConfig>>& LeaderIntentConfig::parameters() {
+  using C = LeaderIntentConfig;
   static const std::vector<Parameter<C>> table = {
       {"linear_tolerance_mps", &C::linear_tolerance_mps, 0.001, 1.0,
        "an announced speed so near to the seen one says the same"},
@@ -39,18 +39,18 @@ const std::vector<Parameter<AnnouncementConfig>>& AnnouncementConfig::parameters
   return table;
 }
 
-std::string_view to_string(AnnouncementUse use) noexcept {
+std::string_view to_string(LeaderIntentUse use) noexcept {
   switch (use) {
-    case AnnouncementUse::silent: return "silent";
-    case AnnouncementUse::probation: return "probation";
-    case AnnouncementUse::agrees: return "agrees";
-    case AnnouncementUse::used: return "used";
-    case AnnouncementUse::suspended: return "suspended";
+    case LeaderIntentUse::silent: return "silent";
+    case LeaderIntentUse::probation: return "probation";
+    case LeaderIntentUse::agrees: return "agrees";
+    case LeaderIntentUse::used: return "used";
+    case LeaderIntentUse::suspended: return "suspended";
   }
   return "unknown";
 }
 
-bool AnnouncedMotion::announce(std::int64_t utime, const Twist& twist) noexcept {
+bool LeaderIntent::announce(std::int64_t utime, const Twist& twist) noexcept {
   // Not a number is not within a bound either.
   if (!(std::abs(twist.linear_mps) <= kAbsurd_mps) || !(std::abs(twist.angular_radps) <= kAbsurd_radps)) return false;
   if (heard() && utime <= newest().utime) return false;
@@ -59,21 +59,21 @@ bool AnnouncedMotion::announce(std::int64_t utime, const Twist& twist) noexcept 
   return true;
 }
 
-void AnnouncedMotion::reset() noexcept {
+void LeaderIntent::reset() noexcept {
   agreeing_since_.reset();
   claims_ = {};
 }
 
-AnnouncementUse AnnouncedMotion::suspend(std::int64_t utime) noexcept {
+LeaderIntentUse LeaderIntent::suspend(std::int64_t utime) noexcept {
   reset();
   suspended_until_ = later_s(utime, config_.suspended_s);
-  return AnnouncementUse::suspended;
+  return LeaderIntentUse::suspended;
 }
 
-double AnnouncedMotion::Axis::margin() const { return tolerance + kSigmas * sigma; }
+double LeaderIntent::Axis::margin() const { return tolerance + kSigmas * sigma; }
 
 /// Along the leader's own heading: u = (cos psi, sin psi), s = u.v, var(s) = u^T P_v u.
-std::array<AnnouncedMotion::Axis, 2> AnnouncedMotion::axes(const LeaderEstimate& seen) const noexcept {
+std::array<LeaderIntent::Axis, 2> LeaderIntent::axes(const LeaderEstimate& seen) const noexcept {
   const Eigen::Vector2d u(std::cos(seen.mean(4)), std::sin(seen.mean(4)));
   const Eigen::Matrix2d p = seen.covariance.block<2, 2>(2, 2);
   const double sigma_mps = std::sqrt(std::max(0.0, u.dot(p * u)));
@@ -84,7 +84,7 @@ std::array<AnnouncedMotion::Axis, 2> AnnouncedMotion::axes(const LeaderEstimate&
 
 /// Whether what was announced in the last confirmed_within_s before utime, and since, reaches what is seen: then vision
 /// may just be late.
-bool AnnouncedMotion::holds(const Axis& axis, std::int64_t utime) const noexcept {
+bool LeaderIntent::holds(const Axis& axis, std::int64_t utime) const noexcept {
   double least = newest().twist.*axis.of, most = least;
   for (const Announcement& said : heard_) {
     if (seconds_between(said.utime, utime) > config_.confirmed_within_s) continue;
@@ -94,28 +94,28 @@ bool AnnouncedMotion::holds(const Axis& axis, std::int64_t utime) const noexcept
   return axis.seen >= least - axis.margin() && axis.seen <= most + axis.margin();
 }
 
-bool AnnouncedMotion::says_slower(const Axis& axis) const noexcept {
+bool LeaderIntent::says_slower(const Axis& axis) const noexcept {
   const double slow = no_faster(axis.seen, newest().twist.*axis.of);
   return std::abs(axis.seen) - std::abs(slow) > kDeparting * axis.tolerance;
 }
 
-AnnouncementUse AnnouncedMotion::judge(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept {
+LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept {
   const double age_s = heard() ? seconds_between(newest().utime, utime) : 0.0;
   if (!heard() || age_s > config_.max_age_s || age_s < -kAhead_s) {
     reset();
-    return AnnouncementUse::silent;
+    return LeaderIntentUse::silent;
   }
-  if (suspended_until_ && utime < *suspended_until_) return AnnouncementUse::suspended;
+  if (suspended_until_ && utime < *suspended_until_) return LeaderIntentUse::suspended;
   suspended_until_.reset();
 
   const std::array<Axis, 2> both = axes(seen);
   if (!holds(both[0], utime) || !holds(both[1], utime)) return suspend(utime);
   if (!agreeing_since_ || seconds_between(*agreeing_since_, utime) < config_.probation_s) {
-    // Whoever hardly knows the speed cannot contradict: that is no merit of the announcement.
+    // Whoever hardly knows the speed cannot contradict: that is no merit of the leader_intent.
     const bool sharp = kSigmas * both[0].sigma <= both[0].tolerance;
     if (!sharp) agreeing_since_.reset();
     if (sharp && !agreeing_since_) agreeing_since_ = utime;
-    return AnnouncementUse::probation;
+    return LeaderIntentUse::probation;
   }
   bool slower = false;
   for (std::size_t i = 0; i < both.size(); ++i) {
@@ -128,12 +128,12 @@ AnnouncementUse AnnouncedMotion::judge(const LeaderEstimate& seen, const Pose2& 
       claim.reset();
     }
   }
-  return slower && drives_away(seen, own) ? AnnouncementUse::used : AnnouncementUse::agrees;
+  return slower && drives_away(seen, own) ? LeaderIntentUse::used : LeaderIntentUse::agrees;
 }
 
 /// The velocity is shortened as a vector, so that a tag that hangs crooked is nothing special here either. What was
 /// known of its error no longer holds; the tolerance takes its place.
-LeaderEstimate AnnouncedMotion::slowed(const LeaderEstimate& seen) const noexcept {
+LeaderEstimate LeaderIntent::slowed(const LeaderEstimate& seen) const noexcept {
   LeaderEstimate slow = seen;
   const auto set_sigma = [&slow](int of, double sigma) {
     slow.covariance.row(of).setZero();

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 
 from pilotfish import core, sim
 from pilotfish import data as shipped
-from pilotfish.harness.drawn_sight import DrawnSight, SightNoise
+from pilotfish.harness.drawn_observations import DrawnObservations, ObservationNoise
 from pilotfish.harness.in_process import Tell, run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.recording import Recording
 
 Word = Callable[[float, core.Twist], core.Twist | None]  # what it says, of the time and the truth; None: nothing
 CAMERA_LATENCY_S = 1 / 30
-COARSE = SightNoise(distance_sigma_per_m=0.25e-3, bearing_sigma_rad=1.0e-4, heading_sigma_rad_per_m=0.7e-3)
+COARSE = ObservationNoise(distance_sigma_per_m=0.25e-3, bearing_sigma_rad=1.0e-4, heading_sigma_rad_per_m=0.7e-3)
 
 
 def twist(linear_mps: float, angular_radps: float = 0.0) -> core.Twist:
@@ -24,7 +24,7 @@ def twist(linear_mps: float, angular_radps: float = 0.0) -> core.Twist:
 
 
 @dataclass
-class AnnouncingLeader:
+class LeaderWithIntent:
     """Says 100 times a second what it does, and is heard at once. A picture is answered one latency after its exposure,
     so by then everything up to that moment has been heard, unless it takes delay_s more."""
 
@@ -42,7 +42,7 @@ class AnnouncingLeader:
             said = self.word(time_s, sim.state_at(leader.trajectory, leader.start, time_s).twist)
             if said is not None:
                 utime = sim.START_UTIME + round((time_s - self.stamped_late_s) * 1e6)
-                driver.set_announced_motion(utime, said)
+                driver.set_leader_intent(utime, said)
         self.said = max(self.said, last)
 
 
@@ -54,12 +54,12 @@ def follow(
 
     def count(event) -> None:
         if event.result and event.result.control:
-            uses[event.result.control.announcement.name] += 1
+            uses[event.result.control.leader_intent.name] += 1
 
     run = run_in_process(
         Scenario.load(shipped.path(f"scenarios/{which}.yaml")),
         profile="anticipate",
-        drawn=DrawnSight(seed, COARSE),
+        drawn=DrawnObservations(seed, COARSE),
         tell=tell,
         duration_s=duration_s,
         on_frame=count,

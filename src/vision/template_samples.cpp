@@ -1,4 +1,4 @@
-#include "print_samples.hpp"
+#include "template_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kGoldenSection = 0.6180339887498949;
 
-void add(PrintSamples& samples, const TagPattern& pattern, const Eigen::Vector2d& g, const Eigen::Vector2d& tag,
+void add(TemplateSamples& samples, const TagPattern& pattern, const Eigen::Vector2d& g, const Eigen::Vector2d& tag,
          double gray) {
   const int R = samples.reach;
   const auto cell_of = [&](double coordinate) {
@@ -28,11 +28,11 @@ void add(PrintSamples& samples, const TagPattern& pattern, const Eigen::Vector2d
 }
 
 /// Fills the last eight: repeats of the last sample, which linearize() leaves out again.
-void pad(PrintSamples& samples) {
+void pad(TemplateSamples& samples) {
   if (samples.count == 0) return;
   const int last = samples.count - 1, R = samples.reach;
   for (int i = samples.count; i < samples.blocks() * static_cast<int>(Lanes::SizeAtCompileTime); ++i) {
-    for (PrintSamples::Column* column : {&samples.gu, &samples.gv, &samples.gray, &samples.column_x, &samples.row_y})
+    for (TemplateSamples::Column* column : {&samples.gu, &samples.gv, &samples.gray, &samples.column_x, &samples.row_y})
       (*column)[i] = (*column)[last];
     for (int n = 0; n < (2 * R + 1) * (2 * R + 1); ++n) samples.colour[n][i] = samples.colour[n][last];
   }
@@ -47,7 +47,7 @@ double smoothed(const ImageView& image, std::ptrdiff_t u, std::ptrdiff_t v) {
 }  // namespace
 
 void take_along_edges(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-                      double spread_px, int wanted, PrintSamples& samples) {
+                      double spread_px, int wanted, TemplateSamples& samples) {
   samples.count = 0;
   const int most = std::max(1, wanted / static_cast<int>(pattern.edges.size()));
   const bool bent = camera.has_distortion();
@@ -66,7 +66,7 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
     const Eigen::Matrix2d g_from_pixel = pixel_from_g.inverse();
     // Samples of 3 x 3 pixels that lie closer see the same noise: the fit would count it as if it were news.
     const int count = std::clamp(static_cast<int>((length_px + 2.6) / 2.5), 1, most);
-    for (int i = 0; i < count && samples.count < PrintSamples::kCapacity; ++i) {
+    for (int i = 0; i < count && samples.count < TemplateSamples::kCapacity; ++i) {
       // Away from the ends, where another edge may begin. Across, spread evenly over the ramp (by the golden section,
       // which leaves no pattern): its flanks tell the blur and the gray levels, its middle the place.
       Eigen::Vector2d offset = Eigen::Vector2d::Zero();
@@ -89,7 +89,7 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
 }
 
 void take_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-                 PrintSamples& samples) {
+                 TemplateSamples& samples) {
   samples.count = 0;
   const double reach = 1.0 + 0.5 * pattern.cell_side;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
@@ -100,7 +100,7 @@ void take_pixels(const ImageView& image, const CameraModel& camera, const TagWar
   }
   // A tag seen from the side is small one way only. Where it has more pixels than there is room for, the golden section
   // leaves some out everywhere.
-  const double kept_share = (PrintSamples::kCapacity - 16) / std::max(quadrilateral_area(rim), 1.0);
+  const double kept_share = (TemplateSamples::kCapacity - 16) / std::max(quadrilateral_area(rim), 1.0);
   int turn = 0;
   low = low.cwiseMax(Eigen::Vector2d::Zero());
   high = high.cwiseMin(Eigen::Vector2d(image.width - 1.0, image.height - 1.0));
@@ -115,7 +115,7 @@ void take_pixels(const ImageView& image, const CameraModel& camera, const TagWar
       for (int step = 0; step < (u == std::ceil(low.x()) ? 5 : 1); ++step)
         g += warp.pixel_jacobian(camera, g).inverse() * (Eigen::Vector2d(u, v) - warp.pixel(camera, g));
       const Eigen::Vector2d tag = (tag_from_flat * g.homogeneous()).hnormalized();
-      if (!(tag.cwiseAbs().maxCoeff() <= reach) || samples.count >= PrintSamples::kCapacity) continue;
+      if (!(tag.cwiseAbs().maxCoeff() <= reach) || samples.count >= TemplateSamples::kCapacity) continue;
       if (std::fmod(kGoldenSection * turn++, 1.0) >= kept_share) continue;
       add(samples, pattern, g, tag,
           image.data[static_cast<std::ptrdiff_t>(v) * image.stride_bytes + static_cast<std::ptrdiff_t>(u)]);

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from announcing_leader import AnnouncingLeader, follow, twist
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from leader_with_intent import LeaderWithIntent, follow, twist
 
 from pilotfish import control, core, sim
 
@@ -33,7 +33,7 @@ def same(run, other):
 def test_a_leader_that_says_that_it_stops_is_not_come_as_near_by_the_way_of_one_camera_latency(seed):
     """Without its word the stop is seen in the next picture; the word is there one latency before that picture."""
     without, _ = follow("stop_dead", seed=seed)
-    heard, uses = follow("stop_dead", AnnouncingLeader().tell, seed=seed)
+    heard, uses = follow("stop_dead", LeaderWithIntent().tell, seed=seed)
     assert closest_m(without) - closest_m(heard) == pytest.approx(SPEED_MPS / 30, abs=0.0015)
     assert uses["used"] == 1 and uses["suspended"] == 0
     before = without.time_s < STOP_S - 1e-6
@@ -41,7 +41,7 @@ def test_a_leader_that_says_that_it_stops_is_not_come_as_near_by_the_way_of_one_
 
 
 def standing_it_says(linear_mps, time_s, truth):
-    """The truth, but nothing about the stop itself; then, believed again, something else."""
+    """The truth, but nothing about the stop itself; then, accepted again, something else."""
     return None if abs(time_s - STOP_S) < 0.5 else twist(linear_mps) if time_s > STOP_S + 2.0 else truth
 
 
@@ -64,14 +64,14 @@ LIES = {
 
 @pytest.mark.parametrize("lie", LIES)
 def test_a_lie_changes_not_one_bit_of_what_the_robot_is_told(lie, alone):
-    heard, uses = follow("stop_dead", AnnouncingLeader(LIES[lie]).tell)
+    heard, uses = follow("stop_dead", LeaderWithIntent(LIES[lie]).tell)
     assert uses["used"] == 0
     assert same(heard, alone)
 
 
 @pytest.mark.parametrize(
     "late",
-    [AnnouncingLeader(stamped_late_s=0.2), AnnouncingLeader(delay_s=0.2), AnnouncingLeader(delay_s=0.1)],
+    [LeaderWithIntent(stamped_late_s=0.2), LeaderWithIntent(delay_s=0.2), LeaderWithIntent(delay_s=0.1)],
     ids=["stamped 200 ms late", "heard 200 ms late", "heard 100 ms late"],
 )
 def test_what_is_said_or_heard_after_the_pictures_have_shown_it_changes_nothing(late, alone):
@@ -82,22 +82,22 @@ def test_what_is_said_or_heard_after_the_pictures_have_shown_it_changes_nothing(
 
 def test_after_a_leader_has_said_nothing_but_the_truth_its_word_is_still_never_needed(alone):
     """It says the truth until just before the stop and then nothing: the stop is seen, as without it."""
-    heard, _ = follow("stop_dead", AnnouncingLeader(lambda time_s, truth: truth if time_s < STOP_S else None).tell)
+    heard, _ = follow("stop_dead", LeaderWithIntent(lambda time_s, truth: truth if time_s < STOP_S else None).tell)
     assert same(heard, alone)
 
 
 @pytest.mark.parametrize("which", ["line", "circle", "figure_eight"])
 def test_a_steady_leader_s_word_changes_nothing(which):
     """Vision knows its speed to millimetres per second."""
-    heard, uses = follow(which, AnnouncingLeader().tell, duration_s=8.0)
+    heard, uses = follow(which, LeaderWithIntent().tell, duration_s=8.0)
     assert uses["agrees"] > 150
     assert same(heard, follow(which, duration_s=8.0)[0])
 
 
 @pytest.mark.parametrize("which", ["start", "reverse"])
-def test_a_leader_that_sets_off_is_believed_only_when_it_is_seen_to(which):
+def test_a_leader_that_sets_off_is_accepted_only_when_it_is_seen_to(which):
     """It could be told from a liar only by driving off without having seen anything."""
-    heard, _ = follow(which, AnnouncingLeader().tell, duration_s=8.0)
+    heard, _ = follow(which, LeaderWithIntent().tell, duration_s=8.0)
     without, _ = follow(which, duration_s=8.0)
     assert np.abs(heard.distance_error_m).max() == pytest.approx(np.abs(without.distance_error_m).max(), abs=1e-3)
 
@@ -111,7 +111,7 @@ def cries_wolf(period_s, length_s):
 def test_who_cries_wolf_costs_a_few_centimetres_of_distance_and_is_not_heard_for_five_seconds(word, alone):
     """It can only be slower: for 0.15 s and one latency, braking at 1 m/s2, some 40 mm behind. Should the leader really
     stop while the robot catches up again, it comes a little nearer than it would have."""
-    heard, uses = follow("stop_dead", AnnouncingLeader(word).tell)
+    heard, uses = follow("stop_dead", LeaderWithIntent(word).tell)
     driving = (heard.time_s >= 3.0) & (heard.time_s < STOP_S)
     assert heard.distance_error_m[driving].min() > -0.045
     assert heard.distance_error_m[driving].max() < 0.001
@@ -121,18 +121,18 @@ def test_who_cries_wolf_costs_a_few_centimetres_of_distance_and_is_not_heard_for
 
 EAST = np.array([1.0, 0.0, 0.2, 0.0, 0.0, 0.0])  # 1 m ahead, driving away at 0.2 m/s
 SHARP = np.diag([1e-4, 1e-4, 2e-3, 2e-3, 1e-3, 1e-2]) ** 2
-Use = control.AnnouncementUse
+Use = control.LeaderIntentUse
 
 
 def judged_for(seconds, announced, *, state=EAST, covariance=SHARP, judge=None, start_s=0.0):
     """Judges at 30 Hz what is announced with each picture; the uses."""
-    judge = judge or control.AnnouncedMotion()
+    judge = judge or control.LeaderIntent()
     estimate = control.LeaderEstimate(state, covariance)
     uses = []
     for k in range(round(seconds * 30)):
         utime = 1_000_000 + round((start_s + k / 30) * 1e6)
         judge.announce(utime, announced)
-        uses.append(judge.judge(estimate, (0.0, 0.0, 0.0), utime))
+        uses.append(judge.evaluate(estimate, (0.0, 0.0, 0.0), utime))
     return uses, judge
 
 
@@ -158,7 +158,7 @@ def test_one_disagreement_suspends_it_for_five_seconds_and_probation_follows():
     assert uses[last + 1 : last + 16] == [Use.probation] * 15
 
 
-def test_a_leader_that_comes_nearer_is_not_believed_to_stop():
+def test_a_leader_that_comes_nearer_is_not_accepted_to_stop():
     """Slow would be the dangerous side: it would be waited for."""
     nearer = EAST * np.array([1, 1, -1, 1, 1, 1])
     _, judge = judged_for(1.0, twist(-SPEED_MPS), state=nearer)
@@ -169,7 +169,7 @@ def test_a_leader_that_comes_nearer_is_not_believed_to_stop():
 @settings(derandomize=True, max_examples=200)
 @given(st.floats(-0.6, 0.6), st.floats(-1.0, 1.0), st.floats() | st.floats(-1, 1), st.floats() | st.floats(-2, 2))
 def test_whatever_is_announced_the_leader_gets_slower_or_stays_as_it_is_seen(vx, w, linear_mps, angular_radps):
-    judge = control.AnnouncedMotion()
+    judge = control.LeaderIntent()
     seen = control.LeaderEstimate(np.array([1.0, 0.0, vx, 0.1, 0.3, w]), SHARP)
     judge.announce(0, twist(0.1))
     judge.announce(1, core.Twist(linear_mps=linear_mps, angular_radps=angular_radps))
@@ -185,21 +185,21 @@ def test_whatever_is_announced_the_leader_gets_slower_or_stays_as_it_is_seen(vx,
 @settings(derandomize=True, max_examples=100)
 @given(st.lists(st.tuples(st.integers(-(2**63), 2**63 - 1), st.integers(-(2**63), 2**63 - 1)), max_size=20))
 def test_times_at_both_ends_of_the_clock_are_survived(times):
-    judge = control.AnnouncedMotion()
+    judge = control.LeaderIntent()
     for said_utime, seen_utime in times:
         judge.announce(said_utime, twist(SPEED_MPS))
-        assert judge.judge(control.LeaderEstimate(EAST, SHARP), (0.0, 0.0, 0.0), seen_utime) != Use.used
+        assert judge.evaluate(control.LeaderEstimate(EAST, SHARP), (0.0, 0.0, 0.0), seen_utime) != Use.used
 
 
 def test_without_a_fresh_picture_an_announcement_moves_nothing():
     """A coordinator that has lost its leader stands, whatever the leader says."""
     world_start = sim.START_UTIME
 
-    def heart_after(words):
+    def results_with_intent(words):
         from pilotfish import coordinator
         from pilotfish import data as shipped
 
-        heart = coordinator.Coordinator(
+        follower = coordinator.Coordinator(
             coordinator.load_coordinator(str(shipped.path("config/coordinator.yaml"))).coordinator
         )
         results = []
@@ -207,10 +207,10 @@ def test_without_a_fresh_picture_an_announcement_moves_nothing():
             utime = world_start + round(k * 1e6 / 30)
             seen = core.Observation(utime=utime, distance_m=1.5, covariance=np.diag([3e-4, 1e-4, 8e-4]) ** 2)
             if words:
-                heart.set_announced_motion(utime, twist(0.0 if k < 30 else 0.5))
-            results.append(heart.answer(utime, seen if k < 30 else None, utime))
+                follower.set_leader_intent(utime, twist(0.0 if k < 30 else 0.5))
+            results.append(follower.step_observation(utime, seen if k < 30 else None, utime))
         return results
 
-    told, alone = heart_after(True), heart_after(False)
+    told, alone = results_with_intent(True), results_with_intent(False)
     assert [r.command for r in told] == [r.command for r in alone]
     assert all(r.command == core.Twist() for r in told[34:])

@@ -17,27 +17,27 @@ std::string text(const Parts&... parts) {
   return out.str();
 }
 
-void prove_areas(const LinguisticVariable& variable) {
+void check_areas(const LinguisticVariable& variable) {
   constexpr double kMinShare = 1e-9;  // of the universe's width; below, the quotient of moments would lose its digits
   for (std::size_t k = 0; k < variable.terms.size(); ++k) {
-    std::array<double, kMaxTerms> heights{};
-    heights[k] = 1.0;
-    const double area = clipped_union_moments(variable, heights.data()).area;
+    std::array<double, kMaxTerms> term_strengths{};
+    term_strengths[k] = 1.0;
+    const double area = clipped_union_moments(variable, term_strengths.data()).area;
     if (!(area > kMinShare * (variable.max - variable.min)))
-      throw ProofError(variable.name + ".terms." + variable.terms[k].label,
-                       text("has no area inside the universe [", variable.min, ", ", variable.max, "]"));
+      throw ValidationError(variable.name + ".terms." + variable.terms[k].label,
+                            text("has no area inside the universe [", variable.min, ", ", variable.max, "]"));
   }
 }
 
 // The envelope of all terms is monotone along each of its arcs, so the weakest degree is at an arc's end (as
 // a limit from inside the arc, which also finds a gap behind a vertical side).
-void prove_coverage(const LinguisticVariable& variable) {
+void check_coverage(const LinguisticVariable& variable) {
   const std::string where = variable.name + ".terms";
-  std::array<double, kMaxTerms> heights;
-  heights.fill(1.0);
+  std::array<double, kMaxTerms> term_strengths;
+  term_strengths.fill(1.0);
   double weakest = 1.0, weakest_at = variable.min;
-  Envelope(variable, heights.data()).for_each([&](double begin, double end, const Arc& arc) {
-    if (arc(begin) <= 0.0 && arc(end) <= 0.0) throw ProofError(where, text("no term covers ", begin, " to ", end));
+  Envelope(variable, term_strengths.data()).for_each([&](double begin, double end, const Arc& arc) {
+    if (arc(begin) <= 0.0 && arc(end) <= 0.0) throw ValidationError(where, text("no term covers ", begin, " to ", end));
     for (double x : {begin, end}) {
       if (arc(x) >= weakest) continue;
       weakest = arc(x);
@@ -45,27 +45,28 @@ void prove_coverage(const LinguisticVariable& variable) {
     }
   });
   if (!(weakest > kMinCoverage))
-    throw ProofError(where, text("no term covers ", weakest_at, " well: the greatest degree there is ",
-                                 std::max(weakest, 0.0), ", more than ", kMinCoverage, " is needed"));
+    throw ValidationError(where, text("no term covers ", weakest_at, " well: the greatest degree there is ",
+                                      std::max(weakest, 0.0), ", more than ", kMinCoverage, " is needed"));
 }
 
-void prove_rules(const Controller& c) {
+void check_rules(const Controller& c) {
   const auto count = [](const LinguisticVariable& variable, std::size_t expected) {
     if (variable.terms.size() != expected)
-      throw ProofError(variable.name + ".terms",
-                       text("has ", variable.terms.size(), " terms; the rule base needs ", expected));
+      throw ValidationError(variable.name + ".terms",
+                            text("has ", variable.terms.size(), " terms; the rule base needs ", expected));
   };
   count(c.error, kPaperRows);
   count(c.error_change, kPaperColumns);
   if (c.rules.rows != kPaperRows || c.rules.columns != kPaperColumns || c.rules.size() != kPaperRules)
-    throw ProofError("rules", text("has ", c.rules.size(), " cells in ", c.rules.rows, " rows of ", c.rules.columns,
-                                   "; needed are ", kPaperRules, " in ", kPaperRows, " rows of ", kPaperColumns));
+    throw ValidationError(
+        "rules", text("has ", c.rules.size(), " cells in ", c.rules.rows, " rows of ", c.rules.columns, "; needed are ",
+                      kPaperRules, " in ", kPaperRows, " rows of ", kPaperColumns));
   for (std::size_t rule = 0; rule < kPaperRules; ++rule) {
     if (c.rules.consequents[rule] < c.output.terms.size()) continue;
     const std::string where =
         "rules." + c.error.terms[rule / kPaperColumns].label + "." + c.error_change.terms[rule % kPaperColumns].label;
-    throw ProofError(where, text(c.rules.consequents[rule], " is not the index of a term of ", c.output.name,
-                                 ", which has ", c.output.terms.size()));
+    throw ValidationError(where, text(c.rules.consequents[rule], " is not the index of a term of ", c.output.name,
+                                      ", which has ", c.output.terms.size()));
   }
 }
 
@@ -77,31 +78,31 @@ std::vector<double> corner_points(const LinguisticVariable& variable) {
   return points;
 }
 
-void prove_output(const Controller& c) {
+void check_output(const Controller& c) {
   for (double e : corner_points(c.error)) {
     for (double ec : corner_points(c.error_change)) {
       const double u = infer(c, e, ec).output;
       if (std::isfinite(u) && u >= c.output.min && u <= c.output.max) continue;
-      throw ProofError(c.output.name,
-                       text("is ", u, " at ", c.error.name, " = ", e, ", ", c.error_change.name, " = ", ec));
+      throw ValidationError(c.output.name,
+                            text("is ", u, " at ", c.error.name, " = ", e, ", ", c.error_change.name, " = ", ec));
     }
   }
 }
 
 }  // namespace
 
-void prove(Controller& controller) {
-  controller.plan = nullptr;  // of what was proved before: should this fail, nothing is proved
+void validate(Controller& controller) {
+  controller.plan = nullptr;  // of what was validated before: should this fail, nothing is validated
   for (const LinguisticVariable* variable : {&controller.error, &controller.error_change, &controller.output}) {
     validate(*variable);
-    prove_areas(*variable);
+    check_areas(*variable);
   }
-  prove_coverage(controller.error);
-  prove_coverage(controller.error_change);
-  prove_rules(controller);
+  check_coverage(controller.error);
+  check_coverage(controller.error_change);
+  check_rules(controller);
   Controller planned = controller;
   planned.plan = std::make_shared<const Plan>(planned);
-  prove_output(planned);
+  check_output(planned);
   controller.plan = std::move(planned.plan);
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "print_samples.hpp"
+#include "template_samples.hpp"
 
 namespace pilotfish::vision {
 
-/// How white the blurred print is at eight points, 0 to 1, and how that changes with the point and with the blur.
+/// How white the blurred template is at eight points, 0 to 1, and how that changes with the point and with the blur.
 struct Whiteness {
   Lanes value = Lanes::Zero();
   Lanes dx = Lanes::Zero(), dy = Lanes::Zero();  ///< per tag coordinate
@@ -50,12 +50,12 @@ struct CellShares {
   }
 };
 
-/// The print convolved with a Gaussian of variance `vx`, `vy` along its axes, at (x, y). A blurred grid of cells is a
-/// sum over products of both axes' shares. Only the R nearest cells on each side are looked at: right up to a blur of
+/// The template convolved with a Gaussian of variance `vx`, `vy` along its axes, at (x, y). A blurred grid of cells is
+/// a sum over products of both axes' shares. Only the R nearest cells on each side are looked at: right up to a blur of
 /// 0.4 R cells.
 template <int R>
-Whiteness blurred_print(const PrintSamples& samples, int first, const Lanes& x, const Lanes& y, const Lanes& vx,
-                        const Lanes& vy, float cell_side) {
+Whiteness blurred_template(const TemplateSamples& samples, int first, const Lanes& x, const Lanes& y, const Lanes& vx,
+                           const Lanes& vy, float cell_side) {
   const CellShares<R> across(x - samples.column_x.segment<8>(first), vx, cell_side);
   const CellShares<R> down(y - samples.row_y.segment<8>(first), vy, cell_side);
   Whiteness sum;

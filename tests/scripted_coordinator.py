@@ -1,4 +1,4 @@
-"""A coordinator's ear and mouth without its eyes: gate, heartbeats and status on a real bus, in a thread."""
+"""A coordinator's ear and mouth without its vision: gate, heartbeats and status on a real bus, in a thread."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import threading
 from pilotfish import bus, core
 
 
-class PlayedCoordinator:
+class ScriptedCoordinator:
     """Obeys setpoints as pilotfish-coordinator does, and says so with every beat. Use as a context manager."""
 
     def __init__(
@@ -66,7 +66,7 @@ class PlayedCoordinator:
         return core.Status.searching if self.setpoint.run else core.Status.stopped
 
     def _reason(self):
-        return core.Reason.no_frame if self.setpoint.run else core.Reason.told_to_stop
+        return core.Reason.no_frame if self.setpoint.run else core.Reason.stop_requested
 
     def _run(self):
         while not self._stop.is_set():
