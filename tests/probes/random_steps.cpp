@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
         ages_known && random.below(10) == 0 ? static_cast<std::int64_t>(random.bits()) >> random.below(64) : 0;
     const vision::ObservationResult seen = sight(random, utime);
     if (seen.observation) book.measured(now_us);
-    const StepResult result = coordinator->answer(utime, seen, {now_us}, known_age_us);
+    const StepResult result = coordinator->step_observation(utime, seen, {now_us}, known_age_us);
     if (result.status == Status::tracking) ++book.tracked;
     book.check(result.command, now_us);
     // What a sender would ask afterwards, at any time.

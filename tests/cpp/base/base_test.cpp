@@ -16,9 +16,9 @@ namespace {
 using namespace pilotfish;
 using namespace pilotfish::base;
 
-static_assert(noexcept(std::declval<CommandGuard&>().hear({}, {}, {})));
+static_assert(noexcept(std::declval<CommandGuard&>().receive({}, {}, {})));
 static_assert(noexcept(std::declval<CommandGuard&>().command_at({})));
-static_assert(noexcept(std::declval<StopLatch&>().hear({}, 0)));
+static_assert(noexcept(std::declval<StopLatch&>().receive({}, 0)));
 static_assert(noexcept(limit(WheelLimitsConfig{}, DriveGeometry{}, Twist{}, Twist{}, 0.0)));
 static_assert(noexcept(std::declval<ControllerParser&>().feed('$')));
 static_assert(!std::is_convertible_v<bool, StopLatch>);
@@ -32,7 +32,7 @@ CommandGuard guard() { return CommandGuard({}, 9, false); }
 
 TEST(CommandGuard, ObeysACommandForItsLifeAndNotAMicrosecondLonger) {
   CommandGuard wheels = guard();
-  EXPECT_EQ(wheels.hear(command(1), {1'000'000}, {1'000'000}), CommandVerdict::obeyed);
+  EXPECT_EQ(wheels.receive(command(1), {1'000'000}, {1'000'000}), CommandVerdict::obeyed);
   for (std::int64_t now = 1'000'000; now < 1'095'000; now += 1000) EXPECT_TRUE(wheels.command_at({now}).has_value());
   EXPECT_TRUE(wheels.command_at({1'094'999}).has_value());
   EXPECT_FALSE(wheels.command_at({1'095'000}).has_value());  // 95 ms
@@ -40,22 +40,22 @@ TEST(CommandGuard, ObeysACommandForItsLifeAndNotAMicrosecondLonger) {
 
 TEST(CommandGuard, TakesNoCommandThatHasWaitedForItsWholeLife) {
   CommandGuard late = guard(), in_time = guard();
-  EXPECT_EQ(late.hear(command(1), {1'000'000}, {1'095'000}), CommandVerdict::stale);
-  EXPECT_EQ(in_time.hear(command(1), {1'000'000}, {1'094'999}), CommandVerdict::obeyed);
+  EXPECT_EQ(late.receive(command(1), {1'000'000}, {1'095'000}), CommandVerdict::stale);
+  EXPECT_EQ(in_time.receive(command(1), {1'000'000}, {1'094'999}), CommandVerdict::obeyed);
 }
 
 TEST(CommandGuard, TakesNoCommandFromTheBeginningOfTime) {
   // now - arrived is 2^63 us and more, which is no int64: it must not look like a command of the future.
   CommandGuard wheels = guard();
-  EXPECT_EQ(wheels.hear(command(1), {kFirst}, {1'000'000}), CommandVerdict::stale);
+  EXPECT_EQ(wheels.receive(command(1), {kFirst}, {1'000'000}), CommandVerdict::stale);
   EXPECT_FALSE(wheels.command_at({1'000'000}).has_value());
 }
 
 TEST(CommandGuard, IsAtItsEndWithTheLargestCounter) {
   CommandGuard wheels = guard();
-  EXPECT_EQ(wheels.hear(command(kLast), {1'000'000}, {1'000'000}), CommandVerdict::obeyed);
-  EXPECT_EQ(wheels.hear(command(kLast), {1'000'001}, {1'000'001}), CommandVerdict::replayed);
-  EXPECT_EQ(wheels.hear(command(kFirst), {1'000'002}, {1'000'002}), CommandVerdict::replayed);
+  EXPECT_EQ(wheels.receive(command(kLast), {1'000'000}, {1'000'000}), CommandVerdict::obeyed);
+  EXPECT_EQ(wheels.receive(command(kLast), {1'000'001}, {1'000'001}), CommandVerdict::replayed);
+  EXPECT_EQ(wheels.receive(command(kFirst), {1'000'002}, {1'000'002}), CommandVerdict::replayed);
 }
 
 TEST(CommandGuard, ObeysNoNewSenderWhenItCanRememberNoMore) {
@@ -63,13 +63,13 @@ TEST(CommandGuard, ObeysNoNewSenderWhenItCanRememberNoMore) {
   ReceivedCommand stranger = command(1);
   for (std::size_t i = 0; i < CommandGuard::kSessions; ++i) {
     stranger.session = 100 + static_cast<std::int64_t>(i);
-    wheels.hear(stranger, {1'000'000}, {1'000'000});
+    wheels.receive(stranger, {1'000'000}, {1'000'000});
   }
   stranger.session = 5;
-  EXPECT_EQ(wheels.hear(stranger, {1'000'001}, {1'000'001}), CommandVerdict::sessions_full);
+  EXPECT_EQ(wheels.receive(stranger, {1'000'001}, {1'000'001}), CommandVerdict::sessions_full);
   stranger.session = 100;  // the first one is obeyed as before
   stranger.counter = 2;
-  EXPECT_EQ(wheels.hear(stranger, {1'000'002}, {1'000'002}), CommandVerdict::obeyed);
+  EXPECT_EQ(wheels.receive(stranger, {1'000'002}, {1'000'002}), CommandVerdict::obeyed);
 }
 
 TEST(CommandGuard, AsksForNoMemory) {
@@ -79,7 +79,7 @@ TEST(CommandGuard, AsksForNoMemory) {
               for (std::int64_t i = 1; i < 2000; ++i) {
                 ReceivedCommand each = command(i);
                 each.session = 1 + i % 1500;
-                wheels.hear(each, {i * 1000}, {i * 1000});
+                wheels.receive(each, {i * 1000}, {i * 1000});
                 wheels.command_at({i * 1000});
               }
             }),
@@ -88,13 +88,13 @@ TEST(CommandGuard, AsksForNoMemory) {
 
 TEST(StopLatch, IsEndedByAHigherCounterOfTheObeyedSessionOnly) {
   StopLatch latch;
-  EXPECT_EQ(latch.hear({0, 0, false}, 5), LatchVerdict::stopped);  // anyone stops
-  EXPECT_EQ(latch.hear({5, 1, true}, 0), LatchVerdict::other_session);
-  EXPECT_EQ(latch.hear({0, 1, true}, 0), LatchVerdict::other_session);  // nobody is no session
-  EXPECT_EQ(latch.hear({5, kLast, false}, 5), LatchVerdict::stopped);   // uses its number up
-  EXPECT_EQ(latch.hear({5, kLast, true}, 5), LatchVerdict::replayed);
+  EXPECT_EQ(latch.receive({0, 0, false}, 5), LatchVerdict::stopped);  // anyone stops
+  EXPECT_EQ(latch.receive({5, 1, true}, 0), LatchVerdict::other_session);
+  EXPECT_EQ(latch.receive({0, 1, true}, 0), LatchVerdict::other_session);  // nobody is no session
+  EXPECT_EQ(latch.receive({5, kLast, false}, 5), LatchVerdict::stopped);   // uses its number up
+  EXPECT_EQ(latch.receive({5, kLast, true}, 5), LatchVerdict::replayed);
   EXPECT_TRUE(latch.stopped());
-  EXPECT_EQ(latch.hear({6, 1, true}, 6), LatchVerdict::resumed);
+  EXPECT_EQ(latch.receive({6, 1, true}, 6), LatchVerdict::resumed);
   EXPECT_FALSE(latch.stopped());
 }
 
