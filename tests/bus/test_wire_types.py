@@ -25,16 +25,16 @@ FINGERPRINTS = {
     types.observation_t: "a8773267d35ca428",
     types.setpoint_t: "3f6bae990fba7acc",
     types.stage_t: "1deddd80d1432c03",
-    types.status_t: "9450862b7a6aa3b3",
+    types.status_t: "5eda7a5c0894d8bb",
     types.tag_detection_t: "ef8d50b69ab4b284",
     # The black box's.
     types.box_file_t: "4e4221d2ef4c9661",
-    types.box_start_t: "725a7acb57630f9c",
+    types.box_start_t: "a98e56efd1204535",
     types.held_t: "2687693b510791cf",
     types.measured_tag_t: "90538cba87c4df6d",
-    types.measurement_t: "ba0247f2265b99f3",
+    types.measurement_t: "83fca08184d3e5e6",
     types.sent_t: "2f14673366e8751d",
-    types.step_t: "da4fb369b746ea8f",
+    types.step_t: "6e44648874378275",
 }
 
 

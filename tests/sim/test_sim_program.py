@@ -159,7 +159,7 @@ def test_a_run_in_lockstep_is_the_world_with_these_commands(tmp_path):
     world = sim.World(sim.load_scenario(LINE))
     for k, row in enumerate(rows(recording)):
         world.advance_to(k / 30)
-        twist = ScriptedCoordinator.step_observation(world.utime)
+        twist = ScriptedCoordinator.answer(world.utime)
         expected = sim.recording_row(world, "robot1", command=twist, status="tracking")
         assert ",".join(row.values()) == expected.strip()
         # One frame of latency: this answer acts when the next picture is taken.

@@ -1,6 +1,6 @@
 """Every refusal has a picture that brings it about, a name and a counter; and nothing else is counted with it.
 
-The picture is of a tag that would be accepted but for one thing. `judge` is asked directly where no picture can do it.
+The picture is of a tag that would be accepted but for one thing. `check_pose` is asked where no picture can do it.
 """
 
 import numpy as np
@@ -14,8 +14,8 @@ from pilotfish.vision import (
     TagFamily,
     TagGates,
     TagRefusal,
+    check_pose,
     estimate_leader_pose,
-    judge,
 )
 
 COUNTERS = [
@@ -198,9 +198,9 @@ def test_a_tag_behind_the_camera_or_seen_through_its_back():
     ):
         body = LeaderBody([TAG, other])
         pose = estimate_leader_pose(camera=CAMERA, body=body, tags=[seen])
-        assert judge(pose=pose, body=body, tags=[seen]) == Reason.none
+        assert check_pose(pose=pose, body=body, tags=[seen]) == Reason.none
         both = [seen, sighting(4, true_corners(cMo))]
-        assert judge(pose=pose, body=body, tags=both) == Reason.leader_behind_camera
+        assert check_pose(pose=pose, body=body, tags=both) == Reason.leader_behind_camera
 
 
 def test_a_leader_whose_body_file_is_mirrored_shows_its_back():
