@@ -240,21 +240,21 @@ void LeaderMotionEstimator::mix(double dt_s) noexcept {
 }
 
 LeaderEstimate LeaderMotionEstimator::predicted(int mode, double dt_s) const noexcept {
-  // A jolt happens at once, right after the last measurement: then the whole way it explains was made with the new
-  // velocity. Noise spread over dt would take it for the end of a change that goes on (1.5 times as much, since
+  // An abrupt change happens at once, right after the last measurement: then the whole way it explains was made with
+  // the new velocity. Noise spread over dt would take it for the end of a change that goes on (1.5 times as much, since
   // cov(p, v) / var(p) = (dt^2/2) / (dt^3/3)), and read a leader that stops dead as one that reverses.
   if (mode == kAbrupt) {
-    LeaderEstimate jolted = modes_[mode];
+    LeaderEstimate changed = modes_[mode];
     const double velocity = config_.abrupt_velocity_sigma, turn = config_.abrupt_turn_sigma;
-    jolted.covariance(kVelocity, kVelocity) += velocity * velocity * dt_s;
-    jolted.covariance(kVelocity + 1, kVelocity + 1) += velocity * velocity * dt_s;
-    jolted.covariance(kTurn, kTurn) += turn * turn * dt_s;
-    return predict_leader(jolted, 0.0, 0.0, config_.own_position_sigma, dt_s);
+    changed.covariance(kVelocity, kVelocity) += velocity * velocity * dt_s;
+    changed.covariance(kVelocity + 1, kVelocity + 1) += velocity * velocity * dt_s;
+    changed.covariance(kTurn, kTurn) += turn * turn * dt_s;
+    return predict_leader(changed, 0.0, 0.0, config_.own_position_sigma, dt_s);
   }
-  const bool calm = mode == kQuiescent;
-  return predict_leader(modes_[mode], calm ? config_.quiescent_velocity_sigma : config_.manoeuvre_velocity_sigma,
-                        calm ? config_.quiescent_turn_sigma : config_.manoeuvre_turn_sigma, config_.own_position_sigma,
-                        dt_s);
+  const bool quiescent = mode == kQuiescent;
+  return predict_leader(modes_[mode], quiescent ? config_.quiescent_velocity_sigma : config_.manoeuvre_velocity_sigma,
+                        quiescent ? config_.quiescent_turn_sigma : config_.manoeuvre_turn_sigma,
+                        config_.own_position_sigma, dt_s);
 }
 
 LeaderEstimate LeaderMotionEstimator::at(std::int64_t utime) const noexcept {
