@@ -143,7 +143,7 @@ TagOutcome<TagMeasurement> TagTracker::track(const ImageView& image, const TagPr
   const TagOutcome<Registration> fit = align(image, prediction.tag, *start, expected);
   lap(Stage::align);
   if (!fit) return fit.refusal;
-  const TagOutcome<TagMeasurement> measured = read(image, prediction.tag, *fit);
+  TagOutcome<TagMeasurement> measured = read(image, prediction.tag, *fit);
   lap(Stage::read);
   return measured;
 }
