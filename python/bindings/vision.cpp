@@ -1,9 +1,12 @@
+#include <chrono>
+#include <string>
 #include <string_view>
 
 #include "arrays.hpp"
 #include "parameters.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
 #include "pilotfish/vision/tag_family.hpp"
+#include "tag_tracker.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
@@ -17,6 +20,19 @@ TagMeasurements as_measurements(const std::vector<TagDetection>& tags) {
   TagMeasurements measurements;
   for (const TagDetection& tag : tags) measurements.push_back({tag, Matrix8d::Zero(), {}});
   return measurements;
+}
+
+std::int64_t steady_now_ns() noexcept {
+  return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+}
+
+py::dict stage_times_us(const StageStopwatch& stages) {
+  py::dict times;
+  for (std::size_t i = 0; i < kStages; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    times[py::str(std::string(to_string(stage)))] = static_cast<double>(stages.ns(stage)) / 1e3;
+  }
+  return times;
 }
 
 }  // namespace
@@ -79,6 +95,7 @@ PYBIND11_MODULE(vision, m) {
 
   bind_parameters<TagGates>(m, "TagGates", "Which tags are accepted once they have been found.");
   py::class_<Appearance>(m, "Appearance", "How a template looks in a picture.")
+      .def(py::init<>(), "What is expected of a picture of which nothing is known.")
       .def_readonly("black", &Appearance::black, "gray level in the middle of the tag")
       .def_readonly("white", &Appearance::white, "gray level in the middle of the tag")
       .def_readonly("blur_u_px2", &Appearance::blur_u_px2, "variance of the blur along rows, with the pixel's own 1/12")
@@ -97,23 +114,7 @@ PYBIND11_MODULE(vision, m) {
       .value("hamming", TagRefusal::hamming)
       .value("margin", TagRefusal::margin)
       .value("residual", TagRefusal::residual);
-  m.def(
-      "track_tag",
-      [](const py::array& image, const CameraModel& camera, const std::string& family, int id,
-         const DoubleArray& corners_px, double search_px, const TagDetectorConfig& detector,
-         const TagGates& gates) -> std::variant<TagMeasurement, TagRefusal> {
-        const TagPattern pattern = make_pattern(TagFamily(family), id);
-        const TagResult look =
-            track_tag(image_view(image), camera, pattern, homography_from_corners(camera, to_corners(corners_px)), {},
-                      search_px, {detector.max_hamming, detector.min_decision_margin}, gates);
-        if (look.measurement) return *look.measurement;
-        return look.refusal;
-      },
-      "Looks for one known tag at and around (4, 2) corners [px]: a TagMeasurement if it is there and its bits are\n"
-      "right, else the TagRefusal. image: (H, W) uint8.",
-      py::arg("image"), py::kw_only(), py::arg("camera"), py::arg("family") = "tag36h11", py::arg("id"),
-      py::arg("corners_px"), py::arg("search_px") = 0.0,
-      py::arg_v("detector", TagDetectorConfig{}, "TagDetectorConfig()"), py::arg_v("gates", TagGates{}, "TagGates()"));
+  bind_tag_tracker(m);
 
   bind_parameters<LeaderPoseConfig>(m, "LeaderPoseConfig", "Which poses are accepted, and how exactly.");
   py::class_<LeaderPose>(m, "LeaderPose", "A pose cMo and how well it explains the corners.")
@@ -208,6 +209,15 @@ PYBIND11_MODULE(vision, m) {
           "The ObservationResult of a Frame. Never raises: a frame that cannot be used, or whose size differs from the "
           "calibration's, gives the reason. Times come from frame.utime [us].")
       .def("forget", &LeaderObserver::forget, "The next frame is looked at as if nothing had been seen before.")
+      .def_property(
+          "timed", [](const LeaderObserver& observer) { return observer.stages().runs(); },
+          [](LeaderObserver& observer, bool timed) { observer.time_stages(timed ? steady_now_ns : nullptr); },
+          "whether the stages of the next frames are timed, on this host's steady clock; False by default")
+      .def_property_readonly(
+          "stage_times_us", [](const LeaderObserver& observer) { return stage_times_us(observer.stages()); },
+          "{stage: [us]} of the last frame that could be used, all tags together: predict, detect, search, align, "
+          "read, "
+          "pose, heading. All zero unless timed.")
       .def_property_readonly(
           "rejected", [](const LeaderObserver& observer) { return observer.rejected(); }, "a copy of the counters");
 

@@ -8,20 +8,14 @@
 #include <vector>
 
 #include "pilotfish/bus/reports.hpp"
+#include "pilotfish/core/plausible_twist.hpp"
 #include "wire_reader.hpp"
 
 namespace pilotfish::bus {
 
 // What the codecs of several messages share.
 
-inline constexpr double kMaxLinearMps = 10.0;
-inline constexpr double kMaxAngularRadps = 50.0;
 inline constexpr std::size_t kMaxCounterName = 24;
-
-/// A velocity that a robot of ours could have.
-inline bool is_in_bounds(const Twist& twist) {
-  return std::abs(twist.linear_mps) <= kMaxLinearMps && std::abs(twist.angular_radps) <= kMaxAngularRadps;
-}
 
 /// Numbers of a Status and of a Reason.
 bool is_known(int status, int reason);

@@ -175,7 +175,7 @@ Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes, 
   if (!decode_whole(message, data, size_bytes)) return Result::reject("command_corrupt");
   const Twist twist{message.linear_mps, message.angular_radps};
   if (!is_finite(twist)) return Result::reject("command_not_finite");
-  if (!is_in_bounds(twist) || !is_known(message.status, message.reason)) return Result::reject("command_out_of_bounds");
+  if (!is_plausible(twist) || !is_known(message.status, message.reason)) return Result::reject("command_out_of_bounds");
   return Result::accept({message.utime, message.session, message.counter, message.base_session, twist,
                          message.simulated != 0, static_cast<Status>(message.status),
                          static_cast<Reason>(message.reason)});
@@ -195,7 +195,8 @@ Checked<MotionReport> decode_pose(const void* data, std::size_t size_bytes) {
   const Eigen::Vector3d velocity(message.vel), rate(message.rotation_rate);
   if (!q.allFinite() || !velocity.allFinite() || !rate.allFinite()) return Result::reject("pose_not_finite");
   if (!(std::abs(q.norm() - 1.0) <= kUnitWithin)) return Result::reject("pose_not_a_rotation");
-  if (velocity.cwiseAbs().maxCoeff() > kMaxLinearMps || std::abs(rate.z()) > kMaxAngularRadps)
+  if (velocity.cwiseAbs().maxCoeff() > kMaxPlausibleTwist.linear_mps ||
+      std::abs(rate.z()) > kMaxPlausibleTwist.angular_radps)
     return Result::reject("pose_out_of_bounds");
   const double w = q(0), x = q(1), y = q(2), z = q(3);
   const Eigen::Vector3d forward(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y));
@@ -209,7 +210,7 @@ Checked<MotionReport> decode_motion(const void* data, std::size_t size_bytes) {
   if (!is_usable_time(message.utime)) return Result::reject("motion_time_invalid");
   const Twist twist{message.linear_mps, message.angular_radps};
   if (!is_finite(twist)) return Result::reject("motion_not_finite");
-  if (!is_in_bounds(twist)) return Result::reject("motion_out_of_bounds");
+  if (!is_plausible(twist)) return Result::reject("motion_out_of_bounds");
   return Result::accept({message.utime, twist});
 }
 

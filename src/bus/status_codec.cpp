@@ -179,7 +179,7 @@ Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes) {
   report.command = {message.linear_mps, message.angular_radps};
   const Twist measured{message.measured_linear_mps, message.measured_angular_radps};
   if (!is_finite(report.command) || !is_finite(measured)) return Result::reject("base_not_finite");
-  if (!is_in_bounds(report.command) || !is_in_bounds(measured) || message.state < 0 ||
+  if (!is_plausible(report.command) || !is_plausible(measured) || message.state < 0 ||
       message.state > base_t::STATE_FAULT)
     return Result::reject("base_out_of_bounds");
   if (message.measured != 0) report.measured = measured;

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pilotfish/core/plausible_twist.hpp"
 #include "pilotfish/core/utime.hpp"
 
 namespace pilotfish::control {
 namespace {
 
-// Nobody who is followed indoors does that.
-constexpr double kAbsurd_mps = 10.0, kAbsurd_radps = 50.0;
 constexpr double kAhead_s = 0.3;    // of the picture: a camera's latency; later is another clock
 constexpr double kSigmas = 3.0;     // of the estimate, that a leader intent may be off
 constexpr double kDeparting = 2.0;  // tolerances, from which on a leader intent says something else than vision
@@ -51,8 +50,7 @@ std::string_view to_string(LeaderIntentUse use) noexcept {
 }
 
 bool LeaderIntent::announce(std::int64_t utime, const Twist& twist) noexcept {
-  // Not a number is not within a bound either.
-  if (!(std::abs(twist.linear_mps) <= kAbsurd_mps) || !(std::abs(twist.angular_radps) <= kAbsurd_radps)) return false;
+  if (!is_plausible(twist)) return false;
   if (heard() && utime <= newest().utime) return false;
   if (heard_.full()) heard_.pop_front();
   heard_.push_back({twist, utime});

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pilotfish/core/angles.hpp"
+#include "pilotfish/vision/homography.hpp"
 #include "planar_pose.hpp"
 #include "tag_warp.hpp"
 #include "virtual_visual_servoing.hpp"
@@ -67,7 +68,7 @@ std::optional<PoseSolution> solve(const Eigen::Isometry3d& start, const CameraMo
 }
 
 bool are_the_same(const PoseSolution& a, const PoseSolution& b) {
-  return Eigen::AngleAxisd(a.cMo.linear().transpose() * b.cMo.linear()).angle() < kSameRotation_rad;
+  return se3::angle_between(a.cMo, b.cMo) < kSameRotation_rad;
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/utime.hpp"
-#include "virtual_visual_servoing.hpp"
 
 namespace pilotfish::vision {
 namespace {
@@ -37,7 +36,7 @@ std::optional<Eigen::Isometry3d> LeaderTrack::predict(std::int64_t utime) const 
   const double dt_s = seconds_since(utime);
   if (!seen_ || dt_s < 0.0 || dt_s > config_.memory_s) return std::nullopt;
   if (!moving_ || dt_s > kTwistFrom_s) return cMo_;
-  return exponential(dt_s * twist_) * cMo_;
+  return se3::exp(dt_s * twist_) * cMo_;
 }
 
 bool LeaderTrack::is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept {
@@ -55,7 +54,7 @@ void LeaderTrack::update(const Eigen::Isometry3d& cMo, const RelativePose& pose,
   const double dt_s = seconds_since(utime);
   moving_ = false;
   if (seen_ && dt_s > 0.0 && dt_s < kTwistFrom_s) {
-    const Eigen::Matrix<double, 6, 1> motion = logarithm(cMo * cMo_.inverse());
+    const Vector6d motion = se3::log(cMo * cMo_.inverse());
     if (motion.tail<3>().norm() < kMaxTurn_rad) {
       twist_ = motion / dt_s;
       moving_ = true;

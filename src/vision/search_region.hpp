@@ -4,9 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "pilotfish/core/camera_model.hpp"
-#include "pilotfish/core/frame.hpp"
-#include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/vision/tag_tracker.hpp"
 
 namespace pilotfish::vision {
 
@@ -17,11 +15,13 @@ struct SearchRegion {
 };
 
 /// The body's tags at that pose, with half as much again on every side and at least `margin_px`; nothing if they are
-/// behind the camera or beyond the picture. `cell_side` in tag coordinates, see TagPattern.
-inline std::optional<SearchRegion> region_around(const CameraModel& camera, const LeaderBody& body,
-                                                 const Eigen::Isometry3d& cMo, double cell_side, double margin_px) {
+/// behind the camera or beyond the picture.
+inline std::optional<SearchRegion> region_around(const TagTracker& tracker, const Eigen::Isometry3d& cMo,
+                                                 double margin_px) {
+  const CameraModel& camera = tracker.camera();
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9, cell_px = 0.0;
-  for (const BodyTag& tag : body.tags) {
+  for (std::size_t i = 0; i < tracker.body().tags.size(); ++i) {
+    const BodyTag& tag = tracker.body().tags[i];
     for (const Eigen::Vector3d& corner_o : corners_on_body(tag)) {
       const std::optional<Eigen::Vector2d> pixel = project(camera, cMo * corner_o);
       if (!pixel || !pixel->allFinite()) return std::nullopt;
@@ -31,7 +31,7 @@ inline std::optional<SearchRegion> region_around(const CameraModel& camera, cons
       bottom = std::max(bottom, pixel->y());
     }
     const double depth_m = (cMo * body_from_tag(tag)).translation().z();
-    cell_px = std::max(cell_px, 0.5 * cell_side * tag.size_m * camera.fx / depth_m);
+    cell_px = std::max(cell_px, tracker.cell_px(i, camera.fx, depth_m));
   }
   const double margin = std::max(margin_px, 0.5 * std::max(right - left, bottom - top));
   const auto clamped = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, size - 1.0)); };
@@ -44,6 +44,9 @@ inline std::optional<SearchRegion> region_around(const CameraModel& camera, cons
   if (region.width < kMinFrameSide || region.height < kMinFrameSide) return std::nullopt;
   return region;
 }
+
+/// The whole picture.
+inline SearchRegion whole(const ImageView& image) { return {0, 0, image.width, image.height, 0.0}; }
 
 /// That part of the picture: the same memory, nothing is copied.
 inline ImageView part_of(const ImageView& image, const SearchRegion& region) {

@@ -98,6 +98,10 @@ struct TagDetector::Library {
   std::vector<std::uint8_t> scratch;  ///< the picture, when libapriltag must not have the caller's
 };
 
+bool Detections::is_unique(int id) const {
+  return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; }) == 1;
+}
+
 TagDetector::TagDetector(const std::string& family, const TagDetectorConfig& config) : config_(config) {
   check_ranges(config, "vision");
   if (config_.decimation == 0.0) config_.decimation = 1.0;

@@ -100,10 +100,13 @@ inline std::array<Eigen::Vector2d, 4> tag_corners_px(const CameraModel& camera, 
   return corners_px;
 }
 
+/// The third component of a x b.
+inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
 /// Half the cross product of the diagonals.
 inline double quadrilateral_area(const std::array<Eigen::Vector2d, 4>& corners) {
   const Eigen::Vector2d a = corners[2] - corners[0], b = corners[3] - corners[1];
-  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
+  return 0.5 * std::abs(cross(a, b));
 }
 
 }  // namespace pilotfish::vision

@@ -60,39 +60,7 @@ std::optional<NormalEquations> linearize(const Eigen::Isometry3d& cMo, const Squ
   return sum;
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return matrix;
-}
-
-/// V with translation = V v: I + (1 - cos a) / a^2 [w] + (a - sin a) / a^3 [w]^2.
-Eigen::Matrix3d translation_factor(const Eigen::Vector3d& w) {
-  const double a2 = w.squaredNorm(), a = std::sqrt(a2);
-  const double b = a < 1e-4 ? 0.5 - a2 / 24.0 : (1.0 - std::cos(a)) / a2;
-  const double c = a < 1e-4 ? 1.0 / 6.0 - a2 / 120.0 : (a - std::sin(a)) / (a2 * a);
-  const Eigen::Matrix3d W = cross_matrix(w);
-  return Eigen::Matrix3d::Identity() + b * W + c * W * W;
-}
-
 }  // namespace
-
-Eigen::Isometry3d exponential(const Vector6d& twist) {
-  const Eigen::Vector3d w = twist.tail<3>();
-  const double angle = w.norm();
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  if (angle > 0.0) motion.linear() = Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
-  motion.translation() = translation_factor(w) * twist.head<3>();
-  return motion;
-}
-
-Vector6d logarithm(const Eigen::Isometry3d& motion) {
-  const Eigen::AngleAxisd turn(motion.linear());
-  Vector6d twist;
-  twist.tail<3>() = turn.angle() * turn.axis();
-  twist.head<3>() = translation_factor(twist.tail<3>()).inverse() * motion.translation();
-  return twist;
-}
 
 std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const SquareSightings& squares) {
   Eigen::Isometry3d cMo = start;
@@ -107,7 +75,7 @@ std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, cons
     const bool at_rest = -step.dot(here->gradient) < kAtRest || damping > kMaxDamping;
     if (at_rest) return LocalMinimum{cMo, here->information, here->squared_error};
 
-    const Eigen::Isometry3d there_cMo = exponential(step).inverse() * cMo;
+    const Eigen::Isometry3d there_cMo = se3::exp(step).inverse() * cMo;
     const std::optional<NormalEquations> there = linearize(there_cMo, squares);
     if (there && there->squared_error < here->squared_error) {
       cMo = there_cMo;

@@ -6,11 +6,9 @@
 
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/core/se3.hpp"
 
 namespace pilotfish::vision {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// One tag of the body and where its corners were seen.
 struct SquareSighting {
@@ -32,10 +30,5 @@ struct LocalMinimum {
 /// Moves a virtual camera from `start` until the corners are where they were seen. Nothing if it does not come to rest
 /// with all corners in front of it. Never allocates.
 std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const SquareSightings& squares);
-
-/// exp of the twist (v, w): the motion with constant velocity v and turn rate w for one unit of time.
-Eigen::Isometry3d exponential(const Vector6d& twist);
-/// The inverse of exponential(), for turns below pi.
-Vector6d logarithm(const Eigen::Isometry3d& motion);
 
 }  // namespace pilotfish::vision

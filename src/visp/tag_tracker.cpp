@@ -206,11 +206,8 @@ void TagTracker::Impl::search(const Frame& frame) {
   ++searches_;
   since_search_ = 0;
   const vision::Detections found = detector_.detect(frame.image);
-  const auto is_unique = [&](int id) {
-    return std::count_if(found.tags.begin(), found.tags.end(), [id](const auto& tag) { return tag.id == id; }) == 1;
-  };
   for (const TagDetection& tag : found.tags) {
-    if (!is_unique(tag.id)) continue;
+    if (!found.is_unique(tag.id)) continue;
     if (!camera_) {
       seen_.push_back({tag, std::nullopt});
       continue;

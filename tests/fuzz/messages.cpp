@@ -13,7 +13,7 @@ namespace {
 
 void require_sound(const Twist& twist) {
   fuzz::require(std::isfinite(twist.linear_mps) && std::isfinite(twist.angular_radps), "a twist is finite");
-  fuzz::require(std::abs(twist.angular_radps) <= kMaxAngularRadps, "a turn rate is within its bounds");
+  fuzz::require(std::abs(twist.angular_radps) <= kMaxPlausibleTwist.angular_radps, "a turn rate is within its bounds");
 }
 
 template <class Message>

@@ -11,7 +11,7 @@ from pinhole_drawing import corners_px, leader_pose
 
 from pilotfish import sim
 from pilotfish.core import BodyTag, CameraModel, Frame, LeaderBody, Observation
-from pilotfish.vision import LeaderObserver, LeaderObserverConfig, TagMeasurement, track_tag
+from pilotfish.vision import LeaderObserver, LeaderObserverConfig, TagMeasurement, TagTracker
 
 CAMERA = CameraModel(width=640, height=480, fx=600, fy=600, cx=319.5, cy=239.5)
 TAG = BodyTag(id=3, size_m=0.16)
@@ -64,9 +64,19 @@ def observer(body: LeaderBody = BODY, camera: CameraModel = CAMERA, **config) ->
     return LeaderObserver(camera=camera, body=body, config=LeaderObserverConfig(**config))
 
 
-def look(image: np.ndarray, guess_px: np.ndarray, *, tag: BodyTag = TAG, camera: CameraModel = CAMERA, **options):
+def look(
+    image: np.ndarray,
+    guess_px: np.ndarray,
+    *,
+    tag: BodyTag = TAG,
+    camera: CameraModel = CAMERA,
+    family: str = "tag36h11",
+    search_px: float = 0.0,
+    **gates,
+):
     """The TagMeasurement of that tag near those corners, or the TagRefusal."""
-    return track_tag(image, camera=camera, id=tag.id, corners_px=guess_px, **options)
+    tracker = TagTracker(camera=camera, body=LeaderBody([tag], family=family), **gates)
+    return tracker.track(image, tracker.predict_at(tag.id, corners_px=guess_px, search_px=search_px))
 
 
 def found(answer) -> bool:

@@ -1,4 +1,4 @@
-"""track_tag: the corners are where the geometry puts them, as exactly as it says, whatever family, lens and light.
+"""TagTracker: the corners are where the geometry puts them, as exactly as it says, whatever family, lens and light.
 
 Most pictures are the simulator's, whose edges are exact means over the pixels' areas. Noise is 3 gray levels on a
 contrast of 190 unless told otherwise. What limits a corner: along an edge of n pixels, blurred with sigma = 0.76 px

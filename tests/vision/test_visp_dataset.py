@@ -19,9 +19,10 @@ import numpy as np
 import pytest
 from PIL import Image
 from pinhole_drawing import corners_px
+from rendered_leaders import look
 
 from pilotfish.core import BodyTag, CameraModel, Frame, LeaderBody
-from pilotfish.vision import LeaderObserver, TagDetector, TagDetectorConfig, estimate_leader_pose, track_tag
+from pilotfish.vision import LeaderObserver, TagDetector, TagDetectorConfig, estimate_leader_pose
 
 DATA = Path("/usr/share/visp-images-data/ViSP-images/AprilTag/benchmark")
 pytestmark = pytest.mark.skipif(
@@ -103,7 +104,7 @@ def test_every_family_is_read_and_its_print_found(size, name):
     tags = TagDetector(family).detect(image).tags
     assert [tag.id for tag in tags] == [0, 1, 2, 3, 4]
     for tag in tags:
-        answer = track_tag(image, camera=camera(size), family=family, id=tag.id, corners_px=tag.corners_px)
+        answer = look(image, tag.corners_px, tag=body_tag(tag.id), camera=camera(size), family=family)
         assert (tag.hamming, answer.tag.hamming) == (0, 0)
         assert np.abs(answer.tag.corners_px - tag.corners_px).max() < 0.7
 
@@ -130,9 +131,7 @@ def test_a_coarser_search_finds_the_same_tags():
 def seen_both_ways(size):
     """{id: (libapriltag's sighting, ours)}: ours starts from libapriltag's corners."""
     image, tags = picture(size), TagDetector().detect(picture(size)).tags
-    return {
-        tag.id: (tag, track_tag(image, camera=camera(size), id=tag.id, corners_px=tag.corners_px).tag) for tag in tags
-    }
+    return {tag.id: (tag, look(image, tag.corners_px, tag=body_tag(tag.id), camera=camera(size)).tag) for tag in tags}
 
 
 def distance_error_mm(size, sighting):

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -10,7 +9,10 @@
 #include "pilotfish/vision/heading_filter.hpp"
 #include "pilotfish/vision/leader_pose.hpp"
 #include "pilotfish/vision/leader_track.hpp"
+#include "pilotfish/vision/rejection_counters.hpp"
+#include "pilotfish/vision/stage_stopwatch.hpp"
 #include "pilotfish/vision/tag_detector.hpp"
+#include "pilotfish/vision/tag_tracker.hpp"
 
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
@@ -38,31 +40,6 @@ struct LeaderObserverConfig {
   }
 };
 
-/// Everything that was turned away since the start, by reason.
-struct RejectionCounters {
-  std::int64_t frames_invalid = 0;  ///< frames that cannot be read or are not of the calibration's size
-  std::int64_t hamming = 0;         ///< tags that read as something else
-  std::int64_t margin = 0;          ///< tags with too little contrast
-  std::int64_t residual = 0;        ///< tags of which something else explains too much
-  std::int64_t foreign_id = 0;      ///< tags of the family that the leader does not wear
-  std::int64_t duplicate_id = 0;    ///< an id seen twice in one picture: none of the two is accepted
-  std::int64_t outside_frame = 0;   ///< tags partly outside the picture
-  std::int64_t too_small = 0;       ///< tags too small to be read
-  std::int64_t too_blurred = 0;     ///< tags too blurred to be accepted
-  std::int64_t size = 0;            ///< tags with a size that they cannot have at any range
-  std::int64_t behind = 0;          ///< poses behind the camera, or that show a tag's back
-  std::int64_t jump = 0;            ///< leaders farther from where they were than anything can have moved
-  std::int64_t pose = 0;            ///< corners that no credible pose explains
-
-  /// A counter and its name.
-  struct Named {
-    const char* name;                        ///< on the wire
-    std::int64_t RejectionCounters::*count;  ///< which one
-  };
-  /// All of them, by name.
-  static const std::array<Named, 13>& all() noexcept;
-};
-
 /// What one picture says about the leader: an observation, or the reason why there is none.
 struct ObservationResult {
   std::optional<Observation> observation;  ///< Observation of this frame, or nothing
@@ -71,14 +48,16 @@ struct ObservationResult {
 
 /// The way into this module: Frame in, Observation out.
 ///
-///     the motion so far --> look at each tag where it must be -----+
-///          | nothing                                               |
-///          v                                                       +--> one pose --> plausible? --> heading filter
-///     detect in the region, then in the frame --> look there ------+
+///     predict --> track each tag where it must be ------------------------+
+///        | nothing                                                       |
+///        v                                                               +--> one pose --> plausible? --> heading
+///        filter
+///     detect in the region, then in the frame --> track each tag there --+
 ///
 /// However a tag was found, it is an observation only after its template was fitted to this very frame and every bit of
 /// it read. Remembers where the leader was (for 0.5 s) and how it was heading; time comes from the frames. One observer
-/// serves one thread. While it tracks it asks for no memory.
+/// serves one thread. While it tracks it asks for no memory. The stages stand for themselves in TagTracker,
+/// TagDetector, estimate_leader_pose() and HeadingFilter.
 class LeaderObserver {
  public:
   /// Throws ConfigError if any part is not usable.
@@ -98,43 +77,47 @@ class LeaderObserver {
   /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
   std::int64_t whole_picture_searches() const { return whole_picture_searches_; }
 
+  /// From the next frame on each stage is timed with that clock; nullptr: not any more, which is how it begins.
+  void time_stages(StageStopwatch::Clock clock) noexcept { stopwatch_ = StageStopwatch(clock); }
+  const StageStopwatch& stages() const { return stopwatch_; }  ///< of the last frame that could be used
+
   template <class Self, class Archive>
-  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; counters decide nothing
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; counters and times decide nothing
     archive(self.track_, self.heading_);
   }
 
  private:
   /// What became of the tags in one attempt at one frame.
   struct Attempt {
+    FoundBy found_by = FoundBy::frame;
     TagMeasurements tags;
     Reason reason = Reason::no_tag_found;  ///< why there is nothing more
     RejectionCounters rejected;
-    void add(const TagResult& look);
+    void add(const TagOutcome<TagMeasurement>& outcome);
   };
-  ObservationResult try_to_look(const Frame& frame, const Detections* found) noexcept;
-  ObservationResult look(const Frame& frame, const Detections* found);
-  Attempt follow_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo) const;
-  Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation);
+  ObservationResult observe_or_refuse(const Frame& frame, const Detections* found) noexcept;
+  ObservationResult observe_frame(const Frame& frame, const Detections* found);
+  Reason why_unusable(const ImageView& image) const;
+  Attempt track_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo);
+  Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation, FoundBy found_by);
   /// `origin_px`: where the part of the picture begins that the detections count from.
-  Attempt verify_tags(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px) const;
-  /// Counts what the attempt refused, if it is the frame's last word.
-  ObservationResult conclude(const Frame& frame, Attempt& attempt, FoundBy found_by,
+  Attempt track_detections(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
+                           FoundBy found_by);
+  ObservationResult conclude(const Frame& frame, Attempt& attempt,
                              const std::optional<Eigen::Isometry3d>& predicted_cMo);
-  ObservationResult measure(const Frame& frame, const TagMeasurements& tags, FoundBy found_by,
+  ObservationResult measure(const Frame& frame, const Attempt& attempt,
                             const std::optional<Eigen::Isometry3d>& predicted_cMo);
-  BitGates bit_gates() const;
 
-  CameraModel camera_;
+  TagTracker tracker_;
   Eigen::Isometry3d bMc_;
-  LeaderBody body_;
-  std::vector<TagPattern> patterns_;  ///< of body_.tags, in their order
   LeaderObserverConfig config_;
-  double decimation_ = 1.0;  ///< for the whole frame
   TagDetector detector_;
+  double decimation_ = 1.0;  ///< for the whole frame
   LeaderTrack track_;
   HeadingFilter heading_;
   RejectionCounters rejected_;
   std::int64_t whole_picture_searches_ = 0;
+  StageStopwatch stopwatch_;
 };
 
 }  // namespace pilotfish::vision

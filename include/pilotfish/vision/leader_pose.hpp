@@ -8,6 +8,7 @@
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/se3.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/tag_measurement.hpp"
 
@@ -27,7 +28,7 @@ struct LeaderPoseConfig {
 struct PoseSolution {
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame
   /// Of the twist (v, w), in the camera frame, whose exponential acts on cMo from the left.
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  Matrix6d covariance = Matrix6d::Zero();
   double squared_error = 0.0;          ///< chi-squared: of the corners, in units of their covariance
   double reprojection_error_px = 0.0;  ///< RMS over the corners, in the picture as it is (distorted)
 };

@@ -7,6 +7,7 @@
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/se3.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 
 PILOTFISH_API_BEGIN
@@ -50,7 +51,7 @@ class LeaderTrack {
   bool seen_ = false, moving_ = false;
   std::int64_t utime_ = 0;
   Eigen::Isometry3d cMo_ = Eigen::Isometry3d::Identity();
-  Eigen::Matrix<double, 6, 1> twist_ = Eigen::Matrix<double, 6, 1>::Zero();  ///< per second, in the camera frame
+  Vector6d twist_ = Vector6d::Zero();  ///< per second, in the camera frame
   RelativePose pose_;
   Appearance appearance_;
 };

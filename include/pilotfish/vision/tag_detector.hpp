@@ -30,6 +30,8 @@ struct Detections {
   std::vector<int> refused_ids;    ///< of the tags that a gate turned away, sorted
   int refused_hamming = 0;         ///< number of tags with more corrected bits than max_hamming
   int refused_margin = 0;          ///< number of tags with a decision margin below min_decision_margin
+
+  bool is_unique(int id) const;  ///< whether it was found exactly once: of two tags of an id none is the one
 };
 
 /// libapriltag behind a safe edge: sizes are checked before it is called (it asserts or crashes on tiny and

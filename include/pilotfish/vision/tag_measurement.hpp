@@ -20,12 +20,6 @@ struct TagGates {
   static const std::vector<Parameter<TagGates>>& parameters();
 };
 
-/// Which bits are accepted: the same for a detection and for a tag that is followed, see TagDetectorConfig.
-struct BitGates {
-  int max_hamming = 0;                ///< corrected bits still accepted
-  double min_decision_margin = 20.0;  ///< in gray levels
-};
-
 /// One tag, verified and measured in this very frame.
 struct TagMeasurement {
   TagDetection tag;                            ///< id, bits and the fitted corners [px]
@@ -45,25 +39,18 @@ enum class TagRefusal : std::uint8_t {
   residual,       ///< it reads well, but something else explains too much of it
 };
 
-/// Either the measurement or why there is none.
-struct TagResult {
-  std::optional<TagMeasurement> measurement;   ///< nothing if it was refused
+/// What a stage of the tracker has to say of a tag: a value, or why there is none.
+template <class T>
+struct TagOutcome {
+  std::optional<T> value;                      ///< nothing if it was refused
   TagRefusal refusal = TagRefusal::not_found;  ///< why
+
+  TagOutcome(const T& found) : value(found) {}
+  TagOutcome(TagRefusal why) : refusal(why) {}
+  explicit operator bool() const { return value.has_value(); }  ///< there is one
+  const T& operator*() const { return *value; }                 ///< only if there is one
+  const T* operator->() const { return &*value; }               ///< only if there is one
 };
-
-/// Looks for one known tag near a place and checks what it sees: shift to the best match within `search_px`, fit the
-/// template, read every bit, pass the gates. `nHt` is the guess: tag coordinates (see TagPattern) to the undistorted
-/// plane Z = 1. Never throws, never allocates.
-TagResult track_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
-                    const Eigen::Matrix3d& nHt, const Appearance& expected, double search_px, const BitGates& bits,
-                    const TagGates& gates) noexcept;
-
-/// The homography (tag coordinates to the plane Z = 1) that takes the square's corners to these pixels; not finite if
-/// no square can look like that.
-Eigen::Matrix3d homography_from_corners(const CameraModel& camera,
-                                        const std::array<Eigen::Vector2d, 4>& corners_px) noexcept;
-/// The same of a tag at that pose in the camera.
-Eigen::Matrix3d homography_from_pose(const Eigen::Isometry3d& cMt, double size_m) noexcept;
 
 }  // namespace pilotfish::vision
 PILOTFISH_API_END

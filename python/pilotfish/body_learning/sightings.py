@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.core import CameraModel, Frame, Reason
+from pilotfish.core import BodyTag, CameraModel, Frame, LeaderBody, Reason
 from pilotfish.errors import BodyLearningError
-from pilotfish.vision import TagDetector, TagMeasurement, track_tag
+from pilotfish.vision import TagDetector, TagMeasurement, TagTracker
 
 MAX_TAGS = 12  # on one body
 FEWEST_SIGHTINGS = 3  # of an id; what is seen more rarely is a misreading
@@ -90,6 +90,7 @@ def collect_sightings(
     Raises BodyLearningError: frames of another size than the calibration's, no tag, an id without a size.
     """
     detector = TagDetector(family)
+    trackers: dict[int, TagTracker] = {}  # of bodies with one tag: nobody knows yet which ids are on the robot
     found: list[tuple[int, int, np.ndarray]] = []
     read = undecodable = 0
     for number, frame in enumerate(frames):
@@ -113,7 +114,10 @@ def collect_sightings(
                 continue
             # The detector's corners are off by a tenth of a pixel, in much the same way in every frame; those of the
             # fitted print are not. A tag that does not fit its print is half hidden, or blurred: better without it.
-            fitted = track_tag(frame.image, camera=camera, family=family, id=tag.id, corners_px=tag.corners_px)
+            if tag.id not in trackers:
+                trackers[tag.id] = TagTracker(camera=camera, body=LeaderBody([BodyTag(id=tag.id)], family=family))
+            tracker = trackers[tag.id]
+            fitted = tracker.track(frame.image, tracker.predict_at(tag.id, corners_px=tag.corners_px))
             if isinstance(fitted, TagMeasurement):
                 found.append((number, tag.id, fitted.tag.corners_px))
     if not found:

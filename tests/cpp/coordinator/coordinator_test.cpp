@@ -77,6 +77,22 @@ TEST(Coordinator, IsAskedForACommandWithoutBeingChanged) {
   EXPECT_EQ(asked.memory().decisions, twin.memory().decisions);
 }
 
+std::int64_t ticking_ns() noexcept {
+  static std::int64_t now_ns = 0;
+  return now_ns += 1000;
+}
+
+TEST(Coordinator, TimesItsVisionOnlyWithAClockThatItIsGiven) {
+  Coordinator coordinator(config());
+  const auto look = [&](std::int64_t utime) {
+    coordinator.step(Frame::from_pixels(utime, 640, 480, std::vector<std::uint8_t>(640 * 480, 128)), {utime});
+    return coordinator.stages().ns(vision::Stage::detect);
+  };
+  EXPECT_EQ(look(0), 0);
+  coordinator.time_stages(ticking_ns);
+  EXPECT_EQ(look(kPeriod_us), 1000);  // one look at the clock a stage; nothing is followed, so there is a detection
+}
+
 TEST(Coordinator, AsksForNoMemoryWhenItIsAskedForACommand) {
   PILOTFISH_NEEDS_ALLOCATION_COUNTER();
   Coordinator coordinator(config());

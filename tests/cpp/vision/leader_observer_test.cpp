@@ -79,6 +79,50 @@ TEST(LeaderObserver, IsNotMadeForALeaderWithoutTags) {
   EXPECT_THROW(LeaderObserver(camera(), {}, beyond, {}), ConfigError);
 }
 
+std::int64_t ticking_ns() noexcept {
+  static std::int64_t now_ns = 0;
+  return now_ns += 1000;
+}
+
+TEST(LeaderObserver, TimesItsStagesWithTheClockItIsGiven) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  observer.time_stages(ticking_ns);
+  ASSERT_TRUE(observer.observe(tests::tag_frame(7, 0)).observation.has_value());
+  for (std::size_t i = 0; i < kStages; ++i) EXPECT_EQ(observer.stages().ns(static_cast<Stage>(i)), 1000) << i;
+  // The clock is looked at once a stage, and what is followed is not detected.
+  ASSERT_TRUE(observer.observe(tests::tag_frame(7, 33'333)).observation.has_value());
+  for (std::size_t i = 0; i < kStages; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    EXPECT_EQ(observer.stages().ns(stage), stage == Stage::detect ? 0 : 1000) << to_string(stage);
+  }
+}
+
+TEST(LeaderObserver, LooksAtNoClockUnlessItIsGivenOne) {
+  LeaderObserver observer(camera(), {}, body(), {});
+  ASSERT_TRUE(observer.observe(tests::tag_frame(7, 0)).observation.has_value());
+  for (std::size_t i = 0; i < kStages; ++i) EXPECT_EQ(observer.stages().ns(static_cast<Stage>(i)), 0) << i;
+}
+
+TEST(LeaderObserver, SeesTheSameToTheBitWhetherTimedOrNot) {
+  LeaderObserver timed(camera(), {}, body(), {}), untimed(camera(), {}, body(), {});
+  timed.time_stages(ticking_ns);
+  for (int k = 0; k < 3; ++k) {
+    const auto a = timed.observe(tests::tag_frame(7, 33'333 * k)), b = untimed.observe(tests::tag_frame(7, 33'333 * k));
+    ASSERT_TRUE(a.observation && b.observation);
+    EXPECT_EQ(a.observation->distance_m, b.observation->distance_m);
+    EXPECT_EQ(a.observation->covariance, b.observation->covariance);
+    EXPECT_EQ(a.observation->cMo.matrix(), b.observation->cMo.matrix());
+  }
+}
+
+TEST(RejectionCounters, CountATagThatWasNotFoundAsNothing) {
+  RejectionCounters counters;
+  EXPECT_EQ(counters.count(TagRefusal::not_found, Reason::no_tag_found), Reason::no_tag_found);
+  for (const auto& named : RejectionCounters::all()) EXPECT_EQ(counters.*named.count, 0) << named.name;
+  EXPECT_EQ(counters.count(TagRefusal::margin, Reason::no_tag_found), Reason::tag_refused);
+  EXPECT_EQ(counters.margin, 1);
+}
+
 TEST(RejectionCounters, AreNamedEachOnce) {
   RejectionCounters counters;
   for (const auto& named : RejectionCounters::all()) ++(counters.*named.count);

@@ -1,0 +1,151 @@
+#include "pilotfish/vision/tag_tracker.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "pilotfish/vision/homography.hpp"
+#include "tag_reading.hpp"
+#include "tag_search.hpp"
+#include "tag_warp.hpp"
+
+namespace pilotfish::vision {
+namespace {
+
+constexpr double kMinFacing = 0.2;        ///< cosine of the angle under which a tag is still worth looking at
+constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not even tried
+constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
+constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
+constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's rim
+
+bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
+  return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {
+    return corner.x() >= kMinMargin_px && corner.y() >= kMinMargin_px &&
+           corner.x() <= image.width - 1.0 - kMinMargin_px && corner.y() <= image.height - 1.0 - kMinMargin_px;
+  });
+}
+
+double shorter_cell_px(const std::array<Eigen::Vector2d, 4>& c, double cell_side) {
+  const double wide = std::min((c[1] - c[0]).norm(), (c[2] - c[3]).norm());
+  const double high = std::min((c[0] - c[3]).norm(), (c[1] - c[2]).norm());
+  return 0.5 * cell_side * std::min(wide, high);
+}
+
+std::vector<TagPattern> patterns_of(const LeaderBody& body) {
+  const TagFamily family(body.family);
+  std::vector<TagPattern> patterns;
+  for (std::size_t i = 0; i < body.tags.size(); ++i) {
+    const int id = body.tags[i].id;
+    if (id >= family.size())
+      throw ConfigError("leader.tags[" + std::to_string(i) + "].id", std::to_string(id) + " is not in " + body.family +
+                                                                         ", whose ids are 0 to " +
+                                                                         std::to_string(family.size() - 1));
+    patterns.push_back(make_pattern(family, id));
+  }
+  return patterns;
+}
+
+}  // namespace
+
+TagTracker::TagTracker(const CameraModel& camera, const LeaderBody& body, const TagDetectorConfig& detector,
+                       const TagGates& gates)
+    : camera_(camera),
+      body_(body),
+      max_hamming_(detector.max_hamming),
+      min_decision_margin_(detector.min_decision_margin),
+      gates_(gates) {
+  camera.validate();
+  body.validate();
+  check_ranges(detector, "vision");
+  check_ranges(gates, "vision");
+  patterns_ = patterns_of(body);
+}
+
+std::optional<std::size_t> TagTracker::find(int id) const noexcept {
+  for (std::size_t i = 0; i < patterns_.size(); ++i)
+    if (patterns_[i].id == id) return i;
+  return std::nullopt;
+}
+
+double TagTracker::cell_px(std::size_t tag, double focal_px, double depth_m) const noexcept {
+  return 0.5 * patterns_[tag].cell_side * body_.tags[tag].size_m * focal_px / depth_m;
+}
+
+std::optional<TagPrediction> TagTracker::predict(std::size_t tag, const Eigen::Isometry3d& cMo) const noexcept {
+  const Eigen::Isometry3d cMt = cMo * body_from_tag(body_.tags[tag]);
+  const Eigen::Vector3d middle_c = cMt.translation();
+  if (!(middle_c.z() > 0.0) || cMt.linear().col(2).dot(middle_c.normalized()) < kMinFacing) return std::nullopt;
+  const double search_px = std::min(kSearch_px, kSearch_cells * cell_px(tag, camera_.fx, middle_c.z()));
+  return TagPrediction{tag, homography_from_pose(cMt, body_.tags[tag].size_m), search_px};
+}
+
+TagPrediction TagTracker::predict(std::size_t tag, const std::array<Eigen::Vector2d, 4>& corners_px,
+                                  double search_px) const noexcept {
+  return {tag, homography_from_corners(camera_, corners_px), search_px};
+}
+
+TagOutcome<Eigen::Matrix3d> TagTracker::search(const ImageView& image, const TagPrediction& prediction) const noexcept {
+  const TagPattern& pattern = patterns_[prediction.tag];
+  const std::array<Eigen::Vector2d, 4> guess_px = tag_corners_px(camera_, TagWarp(camera_, prediction.nHt));
+  for (const Eigen::Vector2d& corner : guess_px)
+    if (!(corner.cwiseAbs().maxCoeff() < 1e5)) return TagRefusal::not_found;
+  if (shorter_cell_px(guess_px, pattern.cell_side) < 0.5 * gates_.min_cell_px) return TagRefusal::too_small;
+  const std::optional<Shift> shift = find_shift(image, camera_, pattern, prediction.nHt, prediction.search_px);
+  if (!shift) return TagRefusal::outside_frame;
+  if (shift->correlation < kMinCorrelation)
+    return is_inside(image, guess_px) ? TagRefusal::not_found : TagRefusal::outside_frame;
+
+  Eigen::Matrix3d nHt = prediction.nHt;
+  if (!shift->px.isZero()) {
+    const Eigen::Vector2d middle = nHt.col(2).head<2>() / nHt(2, 2);
+    const Eigen::Vector2d move = pixels_from_normalized(camera_, middle).inverse() * shift->px;
+    nHt.topRows<2>() += move * nHt.row(2);
+  }
+  return nHt;
+}
+
+TagOutcome<Registration> TagTracker::align(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
+                                           const Appearance& expected) const noexcept {
+  const std::optional<Registration> fit = register_tag(image, camera_, patterns_[tag], nHt, expected);
+  if (!fit) return TagRefusal::not_found;
+  if (!is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
+  if (fit->cell_px < gates_.min_cell_px) return TagRefusal::too_small;
+  return *fit;
+}
+
+TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t tag,
+                                            const Registration& fit) const noexcept {
+  const double blur_px = std::sqrt(std::max(fit.appearance.blur_u_px2, fit.appearance.blur_v_px2));
+  if (blur_px > gates_.max_blur_cells * fit.cell_px) return TagRefusal::too_blurred;
+  const TagReading reading = read_tag(image, camera_, patterns_[tag], fit);
+  if (reading.wrong_bits > max_hamming_ || reading.wrong_frame_cells > kWrongFrameCells * reading.frame_cells)
+    return TagRefusal::hamming;
+  if (reading.decision_margin < min_decision_margin_) return TagRefusal::margin;
+  if (fit.residual_rms > gates_.max_normalised_residual * fit.appearance.contrast() || fit.outlier_share > kMaxOutliers)
+    return TagRefusal::residual;
+
+  TagMeasurement measurement;
+  measurement.tag = {patterns_[tag].id, reading.wrong_bits, reading.decision_margin, fit.corners_px};
+  measurement.covariance_px2 = fit.covariance_px2;
+  measurement.appearance = fit.appearance;
+  return measurement;
+}
+
+TagOutcome<TagMeasurement> TagTracker::track(const ImageView& image, const TagPrediction& prediction,
+                                             const Appearance& expected, StageStopwatch* stopwatch) const noexcept {
+  const auto lap = [stopwatch](Stage stage) {
+    if (stopwatch != nullptr) stopwatch->lap(stage);
+  };
+  const TagOutcome<Eigen::Matrix3d> start = search(image, prediction);
+  lap(Stage::search);
+  if (!start) return start.refusal;
+  const TagOutcome<Registration> fit = align(image, prediction.tag, *start, expected);
+  lap(Stage::align);
+  if (!fit) return fit.refusal;
+  TagOutcome<TagMeasurement> measured = read(image, prediction.tag, *fit);
+  lap(Stage::read);
+  return measured;
+}
+
+}  // namespace pilotfish::vision
