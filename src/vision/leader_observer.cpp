@@ -98,47 +98,27 @@ double smallest_cell_px(const CameraModel& camera, const LeaderBody& body, const
   return 0.5 * patterns.front().cell_side * smallest_m * std::sqrt(camera.fx * camera.fy) / distance_m;
 }
 
-/// How a refusal is counted and named.
+/// How a refusal is counted and named. What was not found is neither: something stands before it, or it never was
+/// there.
 void note(TagRefusal refusal, RejectionCounters& rejected, Reason& reason) {
-  switch (refusal) {
-    case TagRefusal::not_found: return;  // something stands before it, or it was never there
-    case TagRefusal::outside_frame: ++rejected.outside_frame, reason = Reason::tag_outside_frame; return;
-    case TagRefusal::too_small: ++rejected.too_small, reason = Reason::tag_too_small; return;
-    case TagRefusal::too_blurred: ++rejected.too_blurred, reason = Reason::tag_too_blurred; return;
-    case TagRefusal::hamming: ++rejected.hamming, reason = Reason::tag_refused; return;
-    case TagRefusal::margin: ++rejected.margin, reason = Reason::tag_refused; return;
-    case TagRefusal::residual: ++rejected.residual, reason = Reason::tag_refused; return;
-  }
+  const TagRefusalDescription& refused = kTagRefusals[static_cast<std::size_t>(refusal)];
+  if (refused.counter == nullptr) return;
+  ++(rejected.*refused.counter);
+  for (const RejectionCounters::Named& each : RejectionCounters::all())
+    if (each.count == refused.counter) reason = each.reason;
 }
 
+/// Of a pose: by the counter of that reason.
 void note(Reason refusal, RejectionCounters& rejected) {
-  switch (refusal) {
-    case Reason::tag_size_implausible: ++rejected.size; return;
-    case Reason::leader_behind_camera: ++rejected.behind; return;
-    case Reason::leader_jumped: ++rejected.jump; return;
-    default: ++rejected.pose; return;
-  }
+  for (const RejectionCounters::Named& each : RejectionCounters::all())
+    if (each.reason == refusal) {
+      ++(rejected.*each.count);
+      return;
+    }
+  ++rejected.pose;
 }
 
 }  // namespace
-
-const std::array<RejectionCounters::Named, 13>& RejectionCounters::all() noexcept {
-  using C = RejectionCounters;
-  static const std::array<Named, 13> table = {{{"frames_invalid", &C::frames_invalid},
-                                               {"tag_hamming", &C::hamming},
-                                               {"tag_margin", &C::margin},
-                                               {"tag_residual", &C::residual},
-                                               {"tag_foreign_id", &C::foreign_id},
-                                               {"tag_duplicate_id", &C::duplicate_id},
-                                               {"tag_outside_frame", &C::outside_frame},
-                                               {"tag_too_small", &C::too_small},
-                                               {"tag_too_blurred", &C::too_blurred},
-                                               {"tag_size", &C::size},
-                                               {"pose_behind", &C::behind},
-                                               {"pose_jump", &C::jump},
-                                               {"pose", &C::pose}}};
-  return table;
-}
 
 const std::vector<Parameter<LeaderObserverConfig>>& LeaderObserverConfig::parameters() {
   static const std::vector<Parameter<LeaderObserverConfig>> table = {
