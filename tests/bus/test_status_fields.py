@@ -12,7 +12,17 @@ LCM_FILE = Path(__file__).parents[2] / "lcmtypes" / "pilotfish_status_t.lcm"
 FIELD = re.compile(r"^    (\w+)\s+(\w+)((?:\[\w+\])*);$", re.MULTILINE)
 
 # By hand on both sides: what answers what, values of more than one number, and lists.
-NO_TABLE_NUMBERS = {"utime", "status", "reason", "text", "stage_count", "stages", "rejected_count", "rejected", "strengths"}
+NO_TABLE_NUMBERS = {
+    "utime",
+    "status",
+    "reason",
+    "text",
+    "stage_count",
+    "stages",
+    "rejected_count",
+    "rejected",
+    "strengths",
+}
 SETPOINT = {"setpoint_distance_m", "setpoint_bearing_rad", "setpoint_run"}
 
 
@@ -25,7 +35,7 @@ def test_the_lcm_file_has_the_numbers_of_the_description_with_their_types_in_the
 
 
 def test_every_number_of_a_status_goes_out_and_comes_back(link):
-    """Of its own for every field, exact in its type: 1.5, 2.5, ... for doubles, the place in the table for the others."""
+    """Each its own, exact in its type: 1.5, 2.5, ... for doubles, the place in the table for the others."""
     report = bus.StatusReport(utime=1)
     values = {}
     for place, (name, kind, _, _) in enumerate(bus.status_fields(), start=1):
