@@ -111,8 +111,8 @@ void bind_reports(py::module_& m) {
       .def_readwrite("reason", &ObservationReport::reason, "why there is no observation; Reason.none if there is")
       .def_readwrite("latency_s", &ObservationReport::latency_s, "from the frame's arrival to this message [s]");
 
-  py::class_<StatusReport> status(m, "StatusReport", "pilotfish.status_t, out and in.");
-  status
+  py::class_<StatusReport> binding(m, "StatusReport", "pilotfish.status_t, out and in.");
+  binding
       .def(py::init([](std::int64_t utime, Status status, Reason reason, double error_m, double error_change_m,
                        double output, const std::array<double, kStatusRules>& strengths, const Setpoint& setpoint,
                        double frame_rate_hz, double processing_ms, std::map<std::string, std::int64_t> rejected) {
@@ -149,7 +149,7 @@ void bind_reports(py::module_& m) {
                      "dict of refusals by name; as many as fit travel with one message, the others with the next");
   StatusReport::fields([&](const StatusField& field, auto member) {
     const std::string unit = *field.unit == 0 ? "" : " [" + std::string(field.unit) + "]";
-    status.def_readwrite(field.name, member, (field.text + unit).c_str());
+    binding.def_readwrite(field.name, member, (field.text + unit).c_str());
   });
   m.def(
       "status_fields",
