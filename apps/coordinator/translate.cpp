@@ -16,7 +16,7 @@ namespace {
 void fill_from_frame(const StepResult& result, const StepTiming& measured, bus::StatusReport& report) {
   const auto [step, seen, output, law, leader, timing] = telemetry_sources(result, &measured);
 #define PILOTFISH_FRAME_FIELD(type, name, unit, source, value, text) \
-  if (source != nullptr) report.name = static_cast<type>(value);
+  if ((source) != nullptr) report.name = static_cast<type>(value);
 #define PILOTFISH_LOOP_FIELD(type, name, unit, value, text)
   PILOTFISH_STATUS_FIELDS(PILOTFISH_FRAME_FIELD, PILOTFISH_LOOP_FIELD)
 #undef PILOTFISH_LOOP_FIELD

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "encoding.hpp"
 
@@ -40,22 +41,28 @@ stage_t encode(const StageReport& stage, FiniteOrZero& finite) {
 template <class Value>
 using Wire = std::conditional_t<std::is_same_v<Value, bool>, std::int8_t, Value>;
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type cannot stand in parentheses.
 #define PILOTFISH_FIELD(type, name) \
   static_assert(std::is_same_v<decltype(status_t::name), Wire<type>>, "not of that type in pilotfish_status_t.lcm");
 PILOTFISH_ALL_FIELDS
 #undef PILOTFISH_FIELD
+// NOLINTEND(bugprone-macro-parentheses)
 
-#define PILOTFISH_FIELD(type, name) +sizeof(Wire<type>)
-constexpr std::size_t kNumbersSize = 0 PILOTFISH_ALL_FIELDS;
-#undef PILOTFISH_FIELD
+std::size_t size_of_numbers() {
+  std::size_t sum = 0;
+  StatusReport::fields([&sum](const StatusField&, auto member) {
+    sum += sizeof(Wire<std::decay_t<decltype(std::declval<StatusReport>().*member)>>);
+  });
+  return sum;
+}
 
 bool is_sound_status(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
   constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 8 + 2;
-  constexpr std::size_t kBehindText = kNumbersSize + 2 * 8 + 1 /* the setpoint */;
+  constexpr std::size_t kSetpoint = 8 + 8 + 1;
   std::int32_t stages = 0;
-  if (!reader.skip(kBeforeText) || !reader.skip_string() || !reader.skip(kBehindText) || !reader.read(stages) ||
-      stages < 0 || stages > static_cast<std::int32_t>(kMaxStages))
+  if (!reader.skip(kBeforeText) || !reader.skip_string() || !reader.skip(size_of_numbers() + kSetpoint) ||
+      !reader.read(stages) || stages < 0 || stages > static_cast<std::int32_t>(kMaxStages))
     return false;
   for (std::int32_t i = 0; i < stages; ++i)
     if (!reader.skip_string(kMaxStageName) || !reader.skip(kStageCounts * 4 + 8)) return false;

@@ -60,7 +60,7 @@ const std::vector<TelemetryField>& telemetry_fields() {
 #define PILOTFISH_FIELD(field, unit, source, what, text)                                            \
   {#field, unit, text, [](const StepResult& result, const StepTiming* measured) -> TelemetryValue { \
      const auto [step, seen, output, law, leader, timing] = telemetry_sources(result, measured);    \
-     if (source == nullptr) return {};                                                              \
+     if ((source) == nullptr) return {};                                                            \
      return as_value(what);                                                                         \
    }},
 #define PILOTFISH_TYPED(type, field, unit, source, what, text) PILOTFISH_FIELD(field, unit, source, what, text)
