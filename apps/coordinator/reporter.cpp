@@ -20,12 +20,7 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
   const SenderCounts sender = parts_.sender.counts();
   if (sender.rivals_heard > 0) counters["rival_commands"] = sender.rivals_heard;
 
-  bus::StatusReport status = status_report(result, coordinator_, timing, counters);
-  status.session = config_.session;
-  status.setpoint_counter = setpoint_counter;
-  status.configured_latency_s = config_.configured_latency_s;
-  status.clock_epochs = coordinator_.clock_epochs();
-  status.missed_deadlines = sender.missed_deadlines;
+  bus::StatusReport status = status_report(result, timing, {config_, coordinator_, sender, setpoint_counter}, counters);
   const auto stage = [&](const char* name, const StageTimes& times) {
     status.stages.push_back({name, times.counts(), times.max_ms()});
   };

@@ -12,6 +12,15 @@ using namespace pilotfish::bus;
 
 namespace {
 
+/// What LCM calls the type of a number in a status.
+template <class Value>
+const char* wire_type(Value StatusReport::*) {
+  static_assert(std::is_arithmetic_v<Value>);
+  if (std::is_same_v<Value, bool>) return "boolean";
+  if (std::is_same_v<Value, double>) return "double";
+  return sizeof(Value) == 1 ? "int8_t" : "int64_t";
+}
+
 void bind_reports(py::module_& m) {
   py::class_<CommandReport>(m, "CommandReport", "pilotfish.command_t, out and in.")
       .def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t base_session,
@@ -102,7 +111,8 @@ void bind_reports(py::module_& m) {
       .def_readwrite("reason", &ObservationReport::reason, "why there is no observation; Reason.none if there is")
       .def_readwrite("latency_s", &ObservationReport::latency_s, "from the frame's arrival to this message [s]");
 
-  py::class_<StatusReport>(m, "StatusReport", "pilotfish.status_t, out and in.")
+  py::class_<StatusReport> binding(m, "StatusReport", "pilotfish.status_t, out and in.");
+  binding
       .def(py::init([](std::int64_t utime, Status status, Reason reason, double error_m, double error_change_m,
                        double output, const std::array<double, kStatusRules>& strengths, const Setpoint& setpoint,
                        double frame_rate_hz, double processing_ms, std::map<std::string, std::int64_t> rejected) {
@@ -130,42 +140,27 @@ void bind_reports(py::module_& m) {
       .def_readwrite("utime", &StatusReport::utime, "exposure [us] of the image this answers")
       .def_readwrite("status", &StatusReport::status, "Status: what the coordinator is doing")
       .def_readwrite("reason", &StatusReport::reason, "Reason for the status")
-      .def_readwrite("error_m", &StatusReport::error_m, "e = d_p - d [m], positive: too close")
-      .def_readwrite("error_change_m", &StatusReport::error_change_m, "ec: change of e over one control period [m]")
-      .def_readwrite("output", &StatusReport::output, "u of the fuzzy law, in its universe [-1, 1]")
       .def_readwrite(
           "strengths", &StatusReport::strengths,
           "56 strengths of the rules (Table I) in [0, 1], row by row: E from NB to PB, within it EC from NB to PB")
-      .def_readwrite("session", &StatusReport::session, "the coordinator's, as in CommandReport")
-      .def_readwrite("setpoint_counter", &StatusReport::setpoint_counter,
-                     "of the last setpoint accepted in this session; the next must be higher")
       .def_readwrite("setpoint", &StatusReport::setpoint, "Setpoint that is kept")
-      .def_readwrite("feed_forward_weight", &StatusReport::feed_forward_weight,
-                     "share of the feed-forward in the command, 0 to 1; 0: the law as published")
-      .def_readwrite(
-          "leader_radial_mps", &StatusReport::leader_radial_mps,
-          "the leader's own speed along the line of sight [m/s], positive: away; 0 while feed_forward_weight is 0")
-      .def_readwrite("leader_tangential_mps", &StatusReport::leader_tangential_mps,
-                     "and across it [m/s], positive: to the left; 0 while feed_forward_weight is 0")
-      .def_readwrite("leader_turn_rate_radps", &StatusReport::leader_turn_rate_radps,
-                     "the leader's turn rate [rad/s], positive: to the left; 0 while feed_forward_weight is 0")
-      .def_readwrite("ego_motion", &StatusReport::ego_motion,
-                     "number of the own motion's source: status_t's EGO_MOTION_ numbers")
-      .def_readwrite("leader_intent", &StatusReport::leader_intent,
-                     "number of what the leader's intent is worth: status_t's LEADER_INTENT_ numbers")
-      .def_readwrite("latency_s", &StatusReport::latency_s,
-                     "to the command, median of the last frames [s]; without what the wheel driver takes")
-      .def_readwrite("latency_from_exposure", &StatusReport::latency_from_exposure,
-                     "True: latency_s counts from the exposure; False: from the image's arrival")
-      .def_readwrite("configured_latency_s", &StatusReport::configured_latency_s,
-                     "what control.drive.latency_s says [s]")
-      .def_readwrite("frame_rate_hz", &StatusReport::frame_rate_hz, "rate at which frames come [Hz]")
-      .def_readwrite("processing_ms", &StatusReport::processing_ms, "time spent on this frame [ms]")
-      .def_readwrite("missed_deadlines", &StatusReport::missed_deadlines, "commands that left later than they were due")
-      .def_readwrite("clock_epochs", &StatusReport::clock_epochs, "how often the clock of the images was set")
       .def_readwrite("stages", &StatusReport::stages, "list of StageReport; at most 6 travel")
       .def_readwrite("rejected", &StatusReport::rejected,
                      "dict of refusals by name; as many as fit travel with one message, the others with the next");
+  StatusReport::fields([&](const StatusField& field, auto member) {
+    const std::string unit = *field.unit == 0 ? "" : " [" + std::string(field.unit) + "]";
+    binding.def_readwrite(field.name, member, (field.text + unit).c_str());
+  });
+  m.def(
+      "status_fields",
+      [] {
+        std::vector<std::tuple<std::string, std::string, std::string, std::string>> rows;
+        StatusReport::fields([&](const StatusField& field, auto member) {
+          rows.emplace_back(field.name, wire_type(member), field.unit, field.text);
+        });
+        return rows;
+      },
+      "(name, type, unit, text) of every number of a status_t, in its order; type: as in the .lcm file.");
 
   py::class_<PoseReport>(m, "PoseReport", "What goes out as bot_core.pose_t.")
       .def(py::init([](std::int64_t utime, double x_m, double y_m, double heading_rad, const Twist& velocity) {

@@ -7,6 +7,7 @@
 #include "pilotfish/config/bundle.hpp"
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
+#include "pilotfish/coordinator/telemetry.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
@@ -121,6 +122,25 @@ PYBIND11_MODULE(coordinator, m) {
       .def_readonly("control", &StepResult::control, "None unless the law ran in this very frame")
       .def_readonly("command", &StepResult::command, "Twist: what the wheels should do now");
 
+  py::class_<TelemetryField>(m, "TelemetryField", "A field of what is reported of a frame.")
+      .def_readonly("name", &TelemetryField::name, "with its unit, as in a line of pilotfish-coordinator --json")
+      .def_readonly("unit", &TelemetryField::unit, "of the number, e.g. m/s; empty: it has none")
+      .def_readonly("text", &TelemetryField::text, "what it is");
+  m.def(
+      "telemetry_fields", [] { return telemetry_fields(); },
+      "list of TelemetryField: what is reported of a frame, in the order of a line of pilotfish-coordinator --json.");
+  m.def(
+      "step_values",
+      [](const StepResult& result) {
+        py::dict values;
+        for (const TelemetryField& field : telemetry_fields()) values[field.name] = field.value(result, nullptr);
+        return values;
+      },
+      py::arg("result"),
+      "dict: the telemetry_fields() of a StepResult, as JSON would give them; None where nothing was measured, and "
+      "for\n"
+      "the latency, which a StepResult does not know.");
+
   py::class_<HeldCommand>(m, "HeldCommand", "The last command, until its measurement is too old.")
       .def(py::init([](std::int64_t utime, const Twist& command, std::int64_t from_us, std::int64_t until_us,
                        bool holding, bool run, bool ever_measured) {
@@ -200,6 +220,7 @@ PYBIND11_MODULE(coordinator, m) {
       .def_property_readonly("setpoint", &Coordinator::setpoint, "Setpoint that is kept")
       .def_property_readonly("rejected", &Coordinator::rejected, "RejectionCounters of the observer since the start");
 
-  add_reprs(m, {"ConfigOverrides", "ConfigText", "ConfigBundle", "CoordinatorFile", "StepResult", "HeldCommand"});
+  add_reprs(m, {"ConfigOverrides", "ConfigText", "ConfigBundle", "CoordinatorFile", "StepResult", "HeldCommand",
+                "TelemetryField"});
   add_repr(m, "CoordinatorConfig", {"camera", "mounting", "leader", "setpoint", "safety", "vision", "control"});
 }

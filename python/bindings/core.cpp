@@ -113,35 +113,10 @@ PYBIND11_MODULE(core, m) {
        {Status::searching, Status::tracking, Status::coasting, Status::lost, Status::stopped, Status::invalid_input})
     status.value(std::string(to_string(value)).c_str(), value);
 
-  py::enum_<Reason>(m, "Reason", "Why; str(reason) is the enumerator, reason.text a sentence.")
-      .value("none", Reason::none)
-      .value("no_tag_found", Reason::no_tag_found)
-      .value("no_tag_of_the_leader", Reason::no_tag_of_the_leader)
-      .value("tag_refused", Reason::tag_refused)
-      .value("pose_refused", Reason::pose_refused)
-      .value("no_frame", Reason::no_frame)
-      .value("frame_size_not_calibrated", Reason::frame_size_not_calibrated)
-      .value("frame_too_small", Reason::frame_too_small)
-      .value("frame_too_large", Reason::frame_too_large)
-      .value("frame_truncated", Reason::frame_truncated)
-      .value("frame_stride_invalid", Reason::frame_stride_invalid)
-      .value("frame_time_not_advancing", Reason::frame_time_not_advancing)
-      .value("frame_stale", Reason::frame_stale)
-      .value("stop_requested", Reason::stop_requested)
-      .value("law_not_finite", Reason::law_not_finite)
-      .value("tag_duplicate", Reason::tag_duplicate)
-      .value("tag_outside_frame", Reason::tag_outside_frame)
-      .value("tag_too_small", Reason::tag_too_small)
-      .value("tag_too_blurred", Reason::tag_too_blurred)
-      .value("tag_size_implausible", Reason::tag_size_implausible)
-      .value("leader_behind_camera", Reason::leader_behind_camera)
-      .value("leader_jumped", Reason::leader_jumped)
-      .value("camera_frozen", Reason::camera_frozen)
-      .value("frame_time_implausible", Reason::frame_time_implausible)
-      .value("another_coordinator", Reason::another_coordinator)
-      .value("internal_error", Reason::internal_error)
-      .def_property_readonly(
-          "text", [](Reason reason) { return std::string(to_string(reason)); }, "the reason as a sentence for people");
+  py::enum_<Reason> reason(m, "Reason", "Why; str(reason) is the enumerator, reason.text a sentence.");
+  for (const ReasonDescription& each : kReasons) reason.value(each.name.data(), each.reason, each.text.data());
+  reason.def_property_readonly(
+      "text", [](Reason value) { return std::string(to_string(value)); }, "the reason as a sentence for people");
 
   py::class_<Frame>(m, "Frame", "One gray picture and the instant of its exposure.")
       .def(py::init([](const py::array& image, std::int64_t utime) {

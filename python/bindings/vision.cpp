@@ -106,14 +106,8 @@ PYBIND11_MODULE(vision, m) {
           "covariance_px2", [](const TagMeasurement& measurement) { return to_array(measurement.covariance_px2); },
           "(8, 8) of the corners (u0, v0, u1, v1, ...)")
       .def_readonly("appearance", &TagMeasurement::appearance, "Appearance of its template: gray levels and blur");
-  py::enum_<TagRefusal>(m, "TagRefusal", "Why a tag that was looked at is no measurement.")
-      .value("not_found", TagRefusal::not_found)
-      .value("outside_frame", TagRefusal::outside_frame)
-      .value("too_small", TagRefusal::too_small)
-      .value("too_blurred", TagRefusal::too_blurred)
-      .value("hamming", TagRefusal::hamming)
-      .value("margin", TagRefusal::margin)
-      .value("residual", TagRefusal::residual);
+  py::enum_<TagRefusal> refusal(m, "TagRefusal", "Why a tag that was looked at is no measurement.");
+  for (const TagRefusalDescription& each : kTagRefusals) refusal.value(each.name, each.refusal, each.text);
   bind_tag_tracker(m);
 
   bind_parameters<LeaderPoseConfig>(m, "LeaderPoseConfig", "Which poses are accepted, and how exactly.");
@@ -176,23 +170,9 @@ PYBIND11_MODULE(vision, m) {
       .def_readwrite("detector", &LeaderObserverConfig::detector, "TagDetectorConfig: how tags are found")
       .def_readwrite("gates", &LeaderObserverConfig::gates, "TagGates: which of them are accepted")
       .def_readwrite("pose", &LeaderObserverConfig::pose, "LeaderPoseConfig: which poses are accepted");
-  py::class_<RejectionCounters>(m, "RejectionCounters", "Everything that was turned away since the start.")
-      .def_readonly("frames_invalid", &RejectionCounters::frames_invalid,
-                    "frames that cannot be read or are not of the calibration's size")
-      .def_readonly("hamming", &RejectionCounters::hamming, "tags that read as something else")
-      .def_readonly("margin", &RejectionCounters::margin, "tags with too little contrast")
-      .def_readonly("residual", &RejectionCounters::residual, "tags of which something else explains too much")
-      .def_readonly("foreign_id", &RejectionCounters::foreign_id, "tags of the family that the leader does not wear")
-      .def_readonly("duplicate_id", &RejectionCounters::duplicate_id,
-                    "ids seen twice in one picture: none of the two is accepted")
-      .def_readonly("outside_frame", &RejectionCounters::outside_frame, "tags partly outside the picture")
-      .def_readonly("too_small", &RejectionCounters::too_small, "tags too small to be read")
-      .def_readonly("too_blurred", &RejectionCounters::too_blurred, "tags too blurred to be accepted")
-      .def_readonly("size", &RejectionCounters::size, "tags with a size that they cannot have at any range")
-      .def_readonly("behind", &RejectionCounters::behind, "poses behind the camera, or that show a tag's back")
-      .def_readonly("jump", &RejectionCounters::jump,
-                    "leaders farther from where they were than anything can have moved")
-      .def_readonly("pose", &RejectionCounters::pose, "corners that no credible pose explains");
+  py::class_<RejectionCounters> counters(m, "RejectionCounters", "Everything that was turned away since the start.");
+  for (const RejectionCounters::Named& each : RejectionCounters::all())
+    counters.def_readonly(each.member, each.count, each.text);
   py::class_<ObservationResult>(m, "ObservationResult",
                                 "What one picture says about the leader: an observation, or the reason why none.")
       .def_readonly("observation", &ObservationResult::observation, "Observation of this frame, or None")

@@ -14,7 +14,6 @@ static_assert(static_cast<int>(Status::coasting) == command_t::STATUS_COASTING);
 static_assert(static_cast<int>(Status::lost) == command_t::STATUS_LOST);
 static_assert(static_cast<int>(Status::stopped) == command_t::STATUS_STOPPED);
 static_assert(static_cast<int>(Status::invalid_input) == command_t::STATUS_INVALID_INPUT);
-constexpr int kLastReason = static_cast<int>(Reason::internal_error);
 
 /// A string is its length, its letters and a zero; then comes the count.
 std::size_t size_of(const counter_t& counter) { return 4 + counter.name.size() + 1 + 8; }
@@ -22,7 +21,8 @@ std::size_t size_of(const counter_t& counter) { return 4 + counter.name.size() +
 }  // namespace
 
 bool is_known(int status, int reason) {
-  return status >= 0 && status <= command_t::STATUS_INVALID_INPUT && reason >= 0 && reason <= kLastReason;
+  return status >= 0 && status <= command_t::STATUS_INVALID_INPUT && reason >= 0 &&
+         reason < static_cast<int>(kReasons.size());
 }
 
 std::string words(Status status, Reason reason) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <pilotfish/counter_t.hpp>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "pilotfish/bus/reports.hpp"
@@ -30,6 +31,10 @@ struct FiniteOrZero {
     if (std::isfinite(value)) return value;
     repaired = true;
     return 0.0;
+  }
+  template <class Integer, class = std::enable_if_t<std::is_integral_v<Integer>>>
+  Integer operator()(Integer value) {
+    return value;
   }
 };
 

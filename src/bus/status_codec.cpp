@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "encoding.hpp"
 
@@ -30,15 +32,37 @@ stage_t encode(const StageReport& stage, FiniteOrZero& finite) {
   return message;
 }
 
+// What one row of PILOTFISH_STATUS_FIELDS is, for those who do not ask where its value comes from.
+#define PILOTFISH_FRAME_FIELD(type, name, unit, source, value, text) PILOTFISH_FIELD(type, name)
+#define PILOTFISH_LOOP_FIELD(type, name, unit, value, text) PILOTFISH_FIELD(type, name)
+#define PILOTFISH_ALL_FIELDS PILOTFISH_STATUS_FIELDS(PILOTFISH_FRAME_FIELD, PILOTFISH_LOOP_FIELD)
+
+/// LCM has no type of its own for bool.
+template <class Value>
+using Wire = std::conditional_t<std::is_same_v<Value, bool>, std::int8_t, Value>;
+
+// NOLINTBEGIN(bugprone-macro-parentheses): a type cannot stand in parentheses.
+#define PILOTFISH_FIELD(type, name) \
+  static_assert(std::is_same_v<decltype(status_t::name), Wire<type>>, "not of that type in pilotfish_status_t.lcm");
+PILOTFISH_ALL_FIELDS
+#undef PILOTFISH_FIELD
+// NOLINTEND(bugprone-macro-parentheses)
+
+std::size_t size_of_numbers() {
+  std::size_t sum = 0;
+  StatusReport::fields([&sum](const StatusField&, auto member) {
+    sum += sizeof(Wire<std::decay_t<decltype(std::declval<StatusReport>().*member)>>);
+  });
+  return sum;
+}
+
 bool is_sound_status(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
   constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 8 + 2;
-  // error_m to output; session to setpoint_run; feed_forward_weight to leader_intent; frame_rate_hz to
-  // configured_latency_s; two counts
-  constexpr std::size_t kBehindText = 3 * 8 + (4 * 8 + 1) + (4 * 8 + 2) + (3 * 8 + 1 + 8) + 2 * 8;
+  constexpr std::size_t kSetpoint = 8 + 8 + 1;
   std::int32_t stages = 0;
-  if (!reader.skip(kBeforeText) || !reader.skip_string() || !reader.skip(kBehindText) || !reader.read(stages) ||
-      stages < 0 || stages > static_cast<std::int32_t>(kMaxStages))
+  if (!reader.skip(kBeforeText) || !reader.skip_string() || !reader.skip(size_of_numbers() + kSetpoint) ||
+      !reader.read(stages) || stages < 0 || stages > static_cast<std::int32_t>(kMaxStages))
     return false;
   for (std::int32_t i = 0; i < stages; ++i)
     if (!reader.skip_string(kMaxStageName) || !reader.skip(kStageCounts * 4 + 8)) return false;
@@ -53,12 +77,13 @@ bool is_sound_base(const void* data, std::size_t size_bytes) {
 }
 
 bool all_finite(const StatusReport& report) {
-  for (double value : {report.error_m, report.error_change_m, report.output, report.setpoint.distance_m,
-                       report.setpoint.bearing_rad, report.feed_forward_weight, report.leader_radial_mps,
-                       report.leader_tangential_mps, report.leader_turn_rate_radps, report.frame_rate_hz,
-                       report.processing_ms, report.latency_s, report.configured_latency_s})
-    if (!std::isfinite(value)) return false;
-  return std::all_of(report.strengths.begin(), report.strengths.end(), [](double s) { return std::isfinite(s); }) &&
+  bool finite = std::isfinite(report.setpoint.distance_m) && std::isfinite(report.setpoint.bearing_rad);
+  StatusReport::fields([&](const StatusField&, auto member) {
+    if constexpr (std::is_floating_point_v<std::decay_t<decltype(report.*member)>>)
+      finite = finite && std::isfinite(report.*member);
+  });
+  return finite &&
+         std::all_of(report.strengths.begin(), report.strengths.end(), [](double s) { return std::isfinite(s); }) &&
          std::all_of(report.stages.begin(), report.stages.end(),
                      [](const StageReport& stage) { return std::isfinite(stage.max_ms); });
 }
@@ -72,28 +97,13 @@ status_t encode(const StatusReport& report, std::string_view& repaired, std::siz
   message.status = static_cast<std::int8_t>(report.status);
   message.reason = static_cast<std::int8_t>(report.reason);
   message.text = words(report.status, report.reason);
-  message.error_m = finite(report.error_m);
-  message.error_change_m = finite(report.error_change_m);
-  message.output = finite(report.output);
+#define PILOTFISH_FIELD(type, name) message.name = finite(report.name);
+  PILOTFISH_ALL_FIELDS
+#undef PILOTFISH_FIELD
   for (std::size_t i = 0; i < kStatusRules; ++i) message.strengths[i] = static_cast<float>(finite(report.strengths[i]));
-  message.session = report.session;
-  message.setpoint_counter = report.setpoint_counter;
   message.setpoint_distance_m = finite(report.setpoint.distance_m);
   message.setpoint_bearing_rad = finite(report.setpoint.bearing_rad);
   message.setpoint_run = report.setpoint.run;
-  message.feed_forward_weight = finite(report.feed_forward_weight);
-  message.leader_radial_mps = finite(report.leader_radial_mps);
-  message.leader_tangential_mps = finite(report.leader_tangential_mps);
-  message.leader_turn_rate_radps = finite(report.leader_turn_rate_radps);
-  message.ego_motion = report.ego_motion;
-  message.leader_intent = report.leader_intent;
-  message.frame_rate_hz = finite(report.frame_rate_hz);
-  message.processing_ms = finite(report.processing_ms);
-  message.latency_s = finite(report.latency_s);
-  message.latency_from_exposure = report.latency_from_exposure;
-  message.configured_latency_s = finite(report.configured_latency_s);
-  message.missed_deadlines = report.missed_deadlines;
-  message.clock_epochs = report.clock_epochs;
   const std::size_t stages = std::min(report.stages.size(), kMaxStages);
   for (std::size_t i = 0; i < stages; ++i) message.stages.push_back(encode(report.stages[i], finite));
   message.stage_count = static_cast<std::int32_t>(stages);
@@ -135,26 +145,11 @@ Checked<StatusReport> decode_status(const void* data, std::size_t size_bytes) {
   report.utime = message.utime;
   report.status = static_cast<Status>(message.status);
   report.reason = static_cast<Reason>(message.reason);
-  report.error_m = message.error_m;
-  report.error_change_m = message.error_change_m;
-  report.output = message.output;
+#define PILOTFISH_FIELD(type, name) report.name = static_cast<type>(message.name);
+  PILOTFISH_ALL_FIELDS
+#undef PILOTFISH_FIELD
   std::copy_n(message.strengths, kStatusRules, report.strengths.begin());
-  report.session = message.session;
-  report.setpoint_counter = message.setpoint_counter;
   report.setpoint = {message.setpoint_distance_m, message.setpoint_bearing_rad, message.setpoint_run != 0};
-  report.feed_forward_weight = message.feed_forward_weight;
-  report.leader_radial_mps = message.leader_radial_mps;
-  report.leader_tangential_mps = message.leader_tangential_mps;
-  report.leader_turn_rate_radps = message.leader_turn_rate_radps;
-  report.ego_motion = message.ego_motion;
-  report.leader_intent = message.leader_intent;
-  report.frame_rate_hz = message.frame_rate_hz;
-  report.processing_ms = message.processing_ms;
-  report.latency_s = message.latency_s;
-  report.latency_from_exposure = message.latency_from_exposure != 0;
-  report.configured_latency_s = message.configured_latency_s;
-  report.missed_deadlines = message.missed_deadlines;
-  report.clock_epochs = message.clock_epochs;
   for (const stage_t& stage : message.stages) {
     StageReport& decoded = report.stages.emplace_back();
     decoded.name = stage.name;

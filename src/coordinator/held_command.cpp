@@ -3,22 +3,10 @@
 namespace pilotfish {
 namespace {
 
-/// Reasons that are the picture's fault rather than the leader's absence.
+/// Whether it is the picture's fault rather than the leader's absence.
 bool is_invalid_input(Reason reason) {
-  switch (reason) {
-    case Reason::frame_size_not_calibrated:
-    case Reason::frame_too_small:
-    case Reason::frame_too_large:
-    case Reason::frame_truncated:
-    case Reason::frame_stride_invalid:
-    case Reason::frame_time_not_advancing:
-    case Reason::frame_time_implausible:
-    case Reason::frame_stale:
-    case Reason::camera_frozen:
-    case Reason::another_coordinator:
-    case Reason::internal_error: return true;
-    default: return false;
-  }
+  const auto number = static_cast<std::size_t>(reason);
+  return number < kReasons.size() && kReasons[number].kind == ReasonKind::input;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ from PIL import Image
 
 from pilotfish import core
 from pilotfish import data as shipped
+from pilotfish.coordinator import telemetry_fields
 from pilotfish.harness.executables import COORDINATOR, find_executable
 from pilotfish.harness.frame_report import parse_reports
 from pilotfish.lcmtypes.bot_core.image_t import image_t
@@ -51,7 +52,7 @@ def test_images_from_a_folder_give_what_the_heart_gives(tmp_path):
         assert report.angular_radps == result.command.angular_radps
 
 
-def test_json_lines_hold_only_finite_numbers_and_null(tmp_path):
+def test_json_lines_hold_the_described_fields_with_finite_numbers_and_null(tmp_path):
     save_pictures(leader_pictures(4, hidden_from=2), tmp_path / "run")
     done = run("--config", LINE_CONFIG, "--source", f"images:{tmp_path / 'run'}", "--lcm-url", "memq://", "--json")
 
@@ -61,6 +62,7 @@ def test_json_lines_hold_only_finite_numbers_and_null(tmp_path):
     lines = [json.loads(line, parse_constant=refuse) for line in done.stdout.splitlines()]
     assert [line["detected"] for line in lines] == [True, True, False, False]
     assert lines[3]["distance_m"] is None
+    assert all(list(line) == [field.name for field in telemetry_fields()] for line in lines)
 
 
 def test_images_over_lcm_are_answered_with_the_commands_of_the_heart(tmp_path):

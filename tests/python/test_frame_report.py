@@ -5,10 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from pilotfish.coordinator import telemetry_fields
 from pilotfish.errors import HarnessError
 from pilotfish.harness.frame_report import parse_reports
 
-SEEN = {
+SEEN = dict.fromkeys(field.name for field in telemetry_fields()) | {
     "utime": 1033333,
     "status": "tracking",
     "reason": "",

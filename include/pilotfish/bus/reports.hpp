@@ -11,6 +11,7 @@
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
+#include "pilotfish/core/telemetry.hpp"
 #include "pilotfish/core/twist.hpp"
 
 PILOTFISH_API_BEGIN
@@ -74,33 +75,39 @@ struct StageReport {
   double max_ms = 0.0;  ///< the longest time [ms]
 };
 
+/// A number of pilotfish.status_t.
+struct StatusField {
+  const char* name;  ///< with its unit, as on the wire
+  const char* unit;  ///< e.g. "m/s"; empty: it has none
+  const char* text;  ///< what it is
+};
+
 /// pilotfish.status_t, out and in.
 struct StatusReport {
   std::int64_t utime = 0;             ///< exposure [us] of the image this answers
   Status status = Status::searching;  ///< what the coordinator is doing
   Reason reason = Reason::none;       ///< Reason for the status
-  /// E = d_p - d [m], positive: too close; and ec, its change over one control period.
-  double error_m = 0.0, error_change_m = 0.0;
-  double output = 0.0;  ///< u of the fuzzy law, normalised
-  /// Of the rules, in [0, 1], row by row.
+#define PILOTFISH_FRAME_MEMBER(type, name, unit, source, value, text) type name{};
+#define PILOTFISH_LOOP_MEMBER(type, name, unit, value, text) type name{};
+  PILOTFISH_STATUS_FIELDS(PILOTFISH_FRAME_MEMBER, PILOTFISH_LOOP_MEMBER)
+#undef PILOTFISH_LOOP_MEMBER
+#undef PILOTFISH_FRAME_MEMBER
+  /// Of the rules, in [0, 1], row by row: E from NB to PB, within it EC from NB to PB.
   std::array<double, kStatusRules> strengths{};
-  std::int64_t session = 0;           ///< the coordinator's
-  std::int64_t setpoint_counter = 0;  ///< of the last setpoint accepted in this session
-  Setpoint setpoint;                  ///< Setpoint that is kept
-  double feed_forward_weight = 0.0;   ///< share of the feed-forward in the command
-  /// The leader's own speed along the line of sight, across it (to the left), and its turn rate.
-  double leader_radial_mps = 0.0, leader_tangential_mps = 0.0, leader_turn_rate_radps = 0.0;
-  std::int8_t ego_motion = 0;          ///< status_t's EGO_MOTION_ numbers
-  std::int8_t leader_intent = 0;       ///< status_t's LEADER_INTENT_ numbers
-  double frame_rate_hz = 0.0;          ///< rate at which frames come [Hz]
-  double processing_ms = 0.0;          ///< time spent on this frame [ms]
-  double latency_s = 0.0;              ///< to the command, over the last frames
-  bool latency_from_exposure = false;  ///< else from the frame's arrival
-  double configured_latency_s = 0.0;   ///< what control.drive.latency_s says [s]
-  std::int64_t missed_deadlines = 0;   ///< commands that left later than they were due
-  std::int64_t clock_epochs = 0;       ///< how often the clock of the images was set
-  std::vector<StageReport> stages;     ///< at most 6 travel
-  Counters rejected;                   ///< as many as fit travel with one message, and the others with the next
+  Setpoint setpoint;                ///< Setpoint that is kept
+  std::vector<StageReport> stages;  ///< at most 6 travel
+  Counters rejected;                ///< as many as fit travel with one message, and the others with the next
+
+  /// Its numbers, in the order of the wire: calls visit(StatusField, pointer to the member) for each.
+  template <class Visit>
+  static void fields(Visit&& visit) {
+#define PILOTFISH_FRAME_FIELD(type, name, unit, source, value, text) \
+  visit(StatusField{#name, unit, text}, &StatusReport::name);
+#define PILOTFISH_LOOP_FIELD(type, name, unit, value, text) visit(StatusField{#name, unit, text}, &StatusReport::name);
+    PILOTFISH_STATUS_FIELDS(PILOTFISH_FRAME_FIELD, PILOTFISH_LOOP_FIELD)
+#undef PILOTFISH_LOOP_FIELD
+#undef PILOTFISH_FRAME_FIELD
+  }
 };
 
 /// A robot's true pose in the world: bot_core.pose_t.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string_view>
 
 #include "pilotfish/api.hpp"
@@ -17,35 +19,67 @@ enum class Status {
   invalid_input,  ///< the frame cannot be used (size, format, time): v = w = 0 once coasting has run out
 };
 
+/// What a reason says about the frame it is about.
+enum class ReasonKind {
+  sight,  ///< the picture, or nobody's picture, was looked at: coasting, lost or searching
+  input,  ///< the frame, or the program, cannot be used: Status::invalid_input
+};
+
+// clang-format off
+/// The one list of reasons, X(name, kind, text): the enumeration, the text that is logged and published, the statuses, the
+/// checks of what comes in and Python are made from it. The numbers are on the wire and in recordings: new ones go to the end.
+#define PILOTFISH_REASONS(X)                                                                                          \
+  X(none, sight, "")                                                                                                  \
+  X(no_tag_found, sight, "no tag in the picture")                                                                     \
+  X(no_tag_of_the_leader, sight, "no tag of the leader's body in the picture")                                        \
+  X(tag_refused, sight, "a tag of the leader was refused by a gate")                                                  \
+  X(pose_refused, sight, "the leader's pose is not credible")                                                         \
+  X(no_frame, sight, "no frame arrived in time")                                                                      \
+  X(frame_size_not_calibrated, input, "the frame's size is not the calibration's")                                    \
+  X(frame_too_small, input, "the frame is too small")                                                                 \
+  X(frame_too_large, input, "the frame is too large")                                                                 \
+  X(frame_truncated, input, "the frame has fewer bytes than its size promises")                                       \
+  X(frame_stride_invalid, input, "the frame's stride is shorter than a row")                                          \
+  X(frame_time_not_advancing, input, "the frame is not later than the one before")                                    \
+  X(frame_stale, input, "the frame was too old when it arrived")                                                      \
+  X(stop_requested, sight, "told to stop")                                                                            \
+  X(law_not_finite, sight, "the law's output was not finite")                                                         \
+  X(tag_duplicate, sight, "a tag of the leader is seen twice")                                                        \
+  X(tag_outside_frame, sight, "a tag of the leader is partly outside the picture")                                    \
+  X(tag_too_small, sight, "a tag of the leader is too small to be read")                                              \
+  X(tag_too_blurred, sight, "a tag of the leader is too blurred")                                                     \
+  X(tag_size_implausible, sight, "a tag of the leader has a size that it cannot have at any range")                   \
+  X(leader_behind_camera, sight, "the leader's pose is behind the camera or shows a tag's back")                      \
+  X(leader_jumped, sight, "the leader is farther from where it was than it can have moved")                           \
+  X(camera_frozen, input, "the camera shows the same pixels again and again")                                         \
+  X(frame_time_implausible, input, "the frame's time does not fit the time that has passed")                          \
+  X(another_coordinator, input, "another coordinator sends commands under this name")                                 \
+  X(internal_error, input, "the program failed")
+// clang-format on
+
 /// Why. One reason belongs to each status report; the text is what is logged and published.
 enum class Reason {
-  none,                       ///< nothing to explain
-  no_tag_found,               ///< no tag of the family in the picture
-  no_tag_of_the_leader,       ///< tags, but none with an id of the leader's body
-  tag_refused,                ///< a tag of the leader, refused by a gate (hamming, margin, residual)
-  pose_refused,               ///< corners accepted, but the pose is not credible (reprojection error, range, behind)
-  no_frame,                   ///< no frame arrived in time
-  frame_size_not_calibrated,  ///< the frame's size is not the calibration's
-  frame_too_small,            ///< below the smallest size a detector can take
-  frame_too_large,            ///< above the largest size a detector can take
-  frame_truncated,            ///< fewer bytes than width, height and stride promise
-  frame_stride_invalid,       ///< stride shorter than a row
-  frame_time_not_advancing,   ///< utime not later than the frame before
-  frame_stale,                ///< older than the age limit when it arrived
-  stop_requested,             ///< setpoint.run is false
-  law_not_finite,             ///< a NaN or an infinity was caught behind the law
-  tag_duplicate,              ///< a tag of the leader, seen twice: none of the two is accepted
-  tag_outside_frame,          ///< a tag of the leader, partly outside the picture
-  tag_too_small,              ///< a tag of the leader, too small to be read
-  tag_too_blurred,            ///< a tag of the leader, too blurred to be accepted
-  tag_size_implausible,       ///< a tag of the leader, larger or smaller than it can be at any range that is accepted
-  leader_behind_camera,       ///< the pose puts a tag behind the camera or shows its back
-  leader_jumped,              ///< farther from where it was than anything can have moved
-  camera_frozen,              ///< the same pixels again and again, where a sensor would show noise
-  frame_time_implausible,     ///< the stamp does not fit the time that has passed here
-  another_coordinator,        ///< somebody else sends commands under this robot's name
-  internal_error,             ///< an exception left the loop
+#define PILOTFISH_REASON(name, kind, text) name,
+  PILOTFISH_REASONS(PILOTFISH_REASON)
+#undef PILOTFISH_REASON
 };
+
+/// What there is to say about a reason.
+struct ReasonDescription {
+  Reason reason;          ///< which one
+  std::string_view name;  ///< the enumerator's; ends with a zero
+  ReasonKind kind;        ///< what it says about the frame
+  std::string_view text;  ///< a short sentence for people; ends with a zero
+};
+
+/// All of them, by number.
+inline constexpr std::array kReasons = {
+#define PILOTFISH_REASON(name, kind, text) ReasonDescription{Reason::name, #name, ReasonKind::kind, text},
+    PILOTFISH_REASONS(PILOTFISH_REASON)
+#undef PILOTFISH_REASON
+};
+#undef PILOTFISH_REASONS
+static_assert(kReasons.size() <= 127, "a reason travels as int8_t");
 
 std::string_view to_string(Status status) noexcept;
 /// A short sentence for people, e.g. "no tag of the leader's body in the picture".

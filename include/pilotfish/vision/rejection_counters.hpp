@@ -1,38 +1,71 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/status.hpp"
-#include "pilotfish/vision/tag_measurement.hpp"
 
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+// clang-format off
+/// The one list of what vision turns away, X(member, name on the wire, reason that goes with it, text): the counters, their
+/// names in a status, how a refusal is counted and explained, and Python are made from it.
+#define PILOTFISH_REJECTION_COUNTERS(X)                                                                               \
+  X(frames_invalid, "frames_invalid", none, "frames that cannot be read or are not of the calibration's size")        \
+  X(hamming, "tag_hamming", tag_refused, "tags that read as something else")                                          \
+  X(margin, "tag_margin", tag_refused, "tags with too little contrast")                                               \
+  X(residual, "tag_residual", tag_refused, "tags of which something else explains too much")                          \
+  X(foreign_id, "tag_foreign_id", no_tag_of_the_leader, "tags of the family that the leader does not wear")           \
+  X(duplicate_id, "tag_duplicate_id", tag_duplicate,                                                                  \
+    "ids seen twice in one picture: none of the two is accepted")                                                     \
+  X(outside_frame, "tag_outside_frame", tag_outside_frame, "tags partly outside the picture")                         \
+  X(too_small, "tag_too_small", tag_too_small, "tags too small to be read")                                           \
+  X(too_blurred, "tag_too_blurred", tag_too_blurred, "tags too blurred to be accepted")                               \
+  X(size, "tag_size", tag_size_implausible, "tags with a size that they cannot have at any range")                    \
+  X(behind, "pose_behind", leader_behind_camera, "poses behind the camera, or that show a tag's back")                \
+  X(jump, "pose_jump", leader_jumped, "leaders farther from where they were than anything can have moved")            \
+  X(pose, "pose", pose_refused, "corners that no credible pose explains")
+
+/// Why a tag that was looked at is no measurement, X(name, text); each is counted by the counter of its name.
+#define PILOTFISH_TAG_REFUSALS(X)                                                                                     \
+  X(outside_frame, "partly outside the picture")                                                                      \
+  X(too_small, "cells below min_cell_px")                                                                             \
+  X(too_blurred, "blur above max_blur_cells")                                                                         \
+  X(hamming, "it reads as something else")                                                                            \
+  X(margin, "too little contrast")                                                                                    \
+  X(residual, "it reads well, but something else explains too much of it")
+// clang-format on
+
+/// Why a tag that was looked at is no measurement.
+enum class TagRefusal : std::uint8_t {
+  not_found,  ///< nothing like it at that place
+#define PILOTFISH_REFUSAL(name, text) name,
+  PILOTFISH_TAG_REFUSALS(PILOTFISH_REFUSAL)
+#undef PILOTFISH_REFUSAL
+};
+
 /// Everything that was turned away since the start, by reason.
 struct RejectionCounters {
-  std::int64_t frames_invalid = 0;  ///< frames that cannot be read or are not of the calibration's size
-  std::int64_t hamming = 0;         ///< tags that read as something else
-  std::int64_t margin = 0;          ///< tags with too little contrast
-  std::int64_t residual = 0;        ///< tags of which something else explains too much
-  std::int64_t foreign_id = 0;      ///< tags of the family that the leader does not wear
-  std::int64_t duplicate_id = 0;    ///< an id seen twice in one picture: none of the two is accepted
-  std::int64_t outside_frame = 0;   ///< tags partly outside the picture
-  std::int64_t too_small = 0;       ///< tags too small to be read
-  std::int64_t too_blurred = 0;     ///< tags too blurred to be accepted
-  std::int64_t size = 0;            ///< tags with a size that they cannot have at any range
-  std::int64_t behind = 0;          ///< poses behind the camera, or that show a tag's back
-  std::int64_t jump = 0;            ///< leaders farther from where they were than anything can have moved
-  std::int64_t pose = 0;            ///< corners that no credible pose explains
+#define PILOTFISH_COUNTER(member, name, reason, text) std::int64_t member = 0;
+  PILOTFISH_REJECTION_COUNTERS(PILOTFISH_COUNTER)
+#undef PILOTFISH_COUNTER
 
-  /// A counter and its name.
+  /// A counter and what there is to say about it.
   struct Named {
     const char* name;                        ///< on the wire
     std::int64_t RejectionCounters::*count;  ///< which one
+    const char* member;                      ///< the member's name
+    Reason reason;                           ///< that the frame is reported with; Reason::none: one of several
+    const char* text;                        ///< what it counts
   };
+#define PILOTFISH_COUNTER(member, name, reason, text) +1
+  static constexpr std::size_t kCount = 0 PILOTFISH_REJECTION_COUNTERS(PILOTFISH_COUNTER);  ///< so many there are
+#undef PILOTFISH_COUNTER
   /// All of them, by name.
-  static const std::array<Named, 13>& all() noexcept;
+  static const std::array<Named, kCount>& all() noexcept;
 
   /// One tag more that was refused. Returns what a status calls that, or `otherwise` for a tag that was not found:
   /// something stands before it, or it was never there, which is no refusal.
@@ -40,6 +73,33 @@ struct RejectionCounters {
   /// One pose more that was refused.
   void count_pose(Reason refusal) noexcept;
 };
+
+/// What there is to say about a refusal.
+struct TagRefusalDescription {
+  TagRefusal refusal;                        ///< which one
+  const char* name;                          ///< the enumerator's
+  std::int64_t RejectionCounters::*counter;  ///< that counts it; none: it is not counted
+  const char* text;                          ///< what was wrong
+};
+
+/// All of them, by number.
+inline constexpr std::array kTagRefusals = {
+    TagRefusalDescription{TagRefusal::not_found, "not_found", nullptr, "nothing like it at that place"},
+#define PILOTFISH_REFUSAL(name, text) TagRefusalDescription{TagRefusal::name, #name, &RejectionCounters::name, text},
+    PILOTFISH_TAG_REFUSALS(PILOTFISH_REFUSAL)
+#undef PILOTFISH_REFUSAL
+};
+#undef PILOTFISH_TAG_REFUSALS
+
+inline const std::array<RejectionCounters::Named, RejectionCounters::kCount>& RejectionCounters::all() noexcept {
+  static constexpr std::array<Named, kCount> table = {{
+#define PILOTFISH_COUNTER(member, name, reason, text) {name, &RejectionCounters::member, #member, Reason::reason, text},
+      PILOTFISH_REJECTION_COUNTERS(PILOTFISH_COUNTER)
+#undef PILOTFISH_COUNTER
+  }};
+  return table;
+}
+#undef PILOTFISH_REJECTION_COUNTERS
 
 /// Counter by counter.
 RejectionCounters sum_of(const RejectionCounters& a, const RejectionCounters& b) noexcept;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/vision/rejection_counters.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 
 PILOTFISH_API_BEGIN
@@ -27,17 +27,6 @@ struct TagMeasurement {
   Appearance appearance;                       ///< Appearance of its template: gray levels and blur
 };
 using TagMeasurements = BoundedVector<TagMeasurement, kMaxTagsOnBody>;
-
-/// Why a tag that was looked at is no measurement.
-enum class TagRefusal : std::uint8_t {
-  not_found,      ///< nothing like it at that place
-  outside_frame,  ///< partly outside the picture
-  too_small,      ///< cells below min_cell_px
-  too_blurred,    ///< blur above max_blur_cells
-  hamming,        ///< it reads as something else
-  margin,         ///< too little contrast
-  residual,       ///< it reads well, but something else explains too much of it
-};
 
 /// What a stage of the tracker has to say of a tag: a value, or why there is none.
 template <class T>
