@@ -140,14 +140,6 @@ const std::array<RejectionCounters::Named, 13>& RejectionCounters::all() noexcep
   return table;
 }
 
-const std::vector<Parameter<LeaderObserverConfig>>& LeaderObserverConfig::parameters() {
-  static const std::vector<Parameter<LeaderObserverConfig>> table = {
-      {"acquisition_range_m", &LeaderObserverConfig::acquisition_range_m, 0.1, 100.0,
-       "a leader that nobody follows yet is looked for up to this distance; farther needs a finer, slower search"},
-  };
-  return table;
-}
-
 LeaderObserver::LeaderObserver(const CameraModel& camera, const CameraMounting& mounting, const LeaderBody& body,
                                const LeaderObserverConfig& config)
     : camera_(camera),
