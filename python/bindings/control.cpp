@@ -246,7 +246,8 @@ void bind_laws(py::module_& m) {
            py::arg("make"),
            "make({parameter: value}, limits) returns the law: an object with follow(observation, setpoint, dt_s) -> "
            "Twist "
-           "and, if it remembers anything, restart(). ConfigError (key `law`) if the name is that of another law or of a "
+           "and, if it remembers anything, restart(). ConfigError (key `law`) if the name is that of another law or of "
+           "a "
            "section of the configuration's `control`.")
       .def_readonly("name", &LawDescription::name, "one word, as in `law: pid`")
       .def_readonly("text", &LawDescription::text, "one line for lists")
@@ -308,8 +309,7 @@ PYBIND11_MODULE(control, m) {
                         py::arg("active_law") = kFuzzyLaw, py::arg("laws") = built_in_laws(),
                         (signature + " law: the fuzzy controller; laws: built_in_laws() and your own.").c_str());
   }
-  follower_config
-      .def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
+  follower_config.def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
       .def_readwrite("law", &FollowerConfig::law,
                      "fuzzy.Controller: the fuzzy law, by default the paper's 56 rules (Table I)")
       .def_property(
@@ -317,7 +317,8 @@ PYBIND11_MODULE(control, m) {
           "\"fuzzy\" or the name of one of `laws`; ValueError lists them")
       .def_property(
           "laws", [](const FollowerConfig& of) { return of.laws; }, &set_laws,
-          "what may drive instead of the fuzzy law; assign a new list to change it. ConfigError if a name is there twice")
+          "what may drive instead of the fuzzy law; assign a new list to change it. ConfigError if a name is there "
+          "twice")
       .def(
           "law_parameters",
           [](const FollowerConfig& config, const std::string& law) { return values_of(named(config, law)); },

@@ -18,8 +18,8 @@ namespace pilotfish::python {
 
 namespace py = pybind11;
 
-/// Of a constructor, as text: pybind11 would show **kwargs. After the attributes are bound. `before` and `after`: keywords
-/// that are neither in parameters() nor in sections(), as ", law: fuzzy.Controller".
+/// Of a constructor, as text: pybind11 would show **kwargs. After the attributes are bound. `before` and `after`:
+/// keywords that are neither in parameters() nor in sections(), as ", law: fuzzy.Controller".
 template <class Config>
 std::string keyword_signature(const std::string& before = "", const std::string& after = "") {
   std::string text = "__init__(self, *" + before;

@@ -125,3 +125,16 @@ def test_every_range_of_the_schema_is_the_reader_s(schemas, who, tmp_path):
             assert within or said.startswith(".".join(keys)), said
         seen += 1
     assert seen >= {"coordinator": 60, "base": 14}[who]
+
+
+@pytest.mark.parametrize("program", PROGRAMS.values())
+def test_help_says_in_which_forms_the_configuration_is_described(program):
+    done = subprocess.run([find_executable(program), "--help"], capture_output=True, text=True, check=True)
+    assert "--describe-config [markdown|json]" in done.stdout
+    assert "{markdown}" not in done.stdout
+
+
+@pytest.mark.parametrize("program", PROGRAMS.values())
+def test_another_form_and_no_configuration_at_all_end_with_64(program):
+    for arguments in (["--describe-config=xml"], []):
+        assert subprocess.run([find_executable(program), *arguments], capture_output=True).returncode == 64
