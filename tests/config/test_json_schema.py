@@ -116,8 +116,9 @@ def test_every_range_of_the_schema_is_the_reader_s(schemas, who, tmp_path):
 
     seen = 0
     for keys, number, of_three in ranges(schemas[who]):
-        low, high = number["minimum"], number["maximum"]
-        step = 1 if number["type"] == "integer" else 1e-6 * (high - low)
+        whole = number["type"] == "integer"
+        low, high = (int(end) if whole else end for end in (number["minimum"], number["maximum"]))
+        step = 1 if whole else 1e-6 * (high - low)
         assert math.isfinite(low) and low < high, keys
         for value, within in ((low, True), (high, True), (low - step, False), (high + step, False)):
             said = complaint(keys, [value, 0.0, 0.0] if of_three else value)
