@@ -151,7 +151,8 @@ class Tuned:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(
             f"# Made by: pilotfish tune {self.driving.name} --trials {self.trials} --seed {self.seed}\n"
-            f"# Cost {self.cost:.3f}, before {self.cost_before:.3f} (see pilotfish.tuning).\n" + yaml.safe_dump(sections)
+            f"# Cost {self.cost:.3f}, before {self.cost_before:.3f} (see pilotfish.tuning).\n"
+            + yaml.safe_dump(sections)
         )
         return file
 
