@@ -50,9 +50,9 @@ macro(pilotfish_depend name for)
     find_package(OpenCV QUIET COMPONENTS core imgproc)
   elseif("${name}" STREQUAL "opencv_io")
     find_package(OpenCV QUIET COMPONENTS core imgproc imgcodecs videoio)
-  elseif("${name}" STREQUAL "visp")
+  elseif("${name}" MATCHES "^visp")  # also other parts of it, where tests and benchmarks name their targets
     set(_pilotfish_flags "${CMAKE_CXX_FLAGS}")
-    find_package(VISP QUIET COMPONENTS visp_core visp_visual_features visp_vs)
+    find_package(VISP QUIET COMPONENTS ${pilotfish_targets_${name}})
     set(CMAKE_CXX_FLAGS "${_pilotfish_flags}")  # ViSP's package adds -fopenmp for everyone
   elseif("${name}" MATCHES "^(spdlog|CLI11|nlohmann_json)$")
     find_package(${name} QUIET)

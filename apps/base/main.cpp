@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdlib>
-#include <iostream>
 
 #include "driver.hpp"
 #include "exit_codes.hpp"
@@ -14,7 +13,6 @@
 #include "options.hpp"
 #include "pilotfish/bus/key.hpp"
 #include "pilotfish/config/base_file.hpp"
-#include "pilotfish/core/robot_name.hpp"
 #include "real_time.hpp"
 #include "serial_port.hpp"
 #include "service_notify.hpp"
@@ -33,10 +31,7 @@ int fail(int code, const std::string& problem) {
 
 config::BaseFile load(const BaseOptions& options) {
   config::BaseFile file = config::load_base(options.config_path);
-  if (options.name) {
-    check_robot_name(*options.name, "--name");
-    file.name = *options.name;
-  }
+  override_name(options, file.name);
   if (options.driver) file.driver = config::driver_from(*options.driver);
   return file;
 }
@@ -101,11 +96,8 @@ int main(int argc, char** argv) {
   fill_missing_standard_streams();
   const ParsedBaseOptions parsed = parse_base_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
-  if (!parsed.options.describe_config.empty()) {
-    std::cout << (parsed.options.describe_config == "json" ? config::describe_base_config_as_json_schema()
-                                                           : config::describe_base_config());
+  if (describes_config(parsed.options, config::describe_base_config, config::describe_base_config_as_json_schema))
     return kOk;
-  }
   catch_stop_signals();
   prepare_last_words();
   Log log({true, true});

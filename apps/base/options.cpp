@@ -32,18 +32,13 @@ ParsedBaseOptions parse_base_options(int argc, char** argv) {
   CLI::App app{"Owns the wheels: obeys one coordinator, and stops them when that is gone."};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-base ") + kVersion, "print the version and end");
-  auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/base.yaml");
+  add_config_options(app, options, "data/config/base.yaml");
   app.add_option("--driver", options.driver,
                  "what turns the wheels: dry_run, simulator or serial:DEVICE; instead of the configuration's");
-  app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");
   app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
   app.add_flag("--quiet", options.quiet, "log warnings only");
-  app.add_flag("--describe-config{markdown}", options.describe_config,
-               "print every key of the configuration and end; --describe-config=json: as a JSON schema, for editors")
-      ->check(CLI::IsMember({"markdown", "json"}));
   try {
     app.parse(argc, argv);
-    if (options.describe_config.empty() && config->count() == 0) throw CLI::RequiredError("--config");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return {options, code == 0 ? kOk : kUsage};

@@ -3,15 +3,14 @@
 #include <optional>
 #include <string>
 
+#include "config_options.hpp"
+
 namespace pilotfish::apps {
 
-struct BaseOptions {
-  std::string config_path;
-  std::optional<std::string> name;
+struct BaseOptions : ConfigOptions {
   std::optional<std::string> driver;
   std::string lcm_url;
   bool quiet = false;
-  std::string describe_config;  ///< how to print it: markdown, json; empty: not at all
 };
 
 /// The options, or the exit code with which to end at once (after --help, or a usage error already printed).

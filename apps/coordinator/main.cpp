@@ -33,7 +33,6 @@
 #include "pilotfish/config/describe.hpp"
 #include "pilotfish/config/files.hpp"
 #include "pilotfish/core/angles.hpp"
-#include "pilotfish/core/robot_name.hpp"
 #include "real_time.hpp"
 #include "service_notify.hpp"
 #include "standard_streams.hpp"
@@ -47,10 +46,7 @@ config::ConfigOverrides overrides(const Options& options) { return {options.law,
 
 config::CoordinatorFile load(const Options& options) {
   config::CoordinatorFile file = config::load_coordinator(options.config_path);
-  if (options.name) {
-    check_robot_name(*options.name, "--name");
-    file.name = *options.name;
-  }
+  override_name(options, file.name);
   if (options.source) file.source = *options.source;
   try {
     parse_source(file.source);
@@ -254,11 +250,7 @@ int main(int argc, char** argv) {
   const ParsedOptions parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
   const Options& options = parsed.options;
-  if (!options.describe_config.empty()) {
-    std::cout << (options.describe_config == "json" ? config::describe_config_as_json_schema()
-                                                    : config::describe_config());
-    return kOk;
-  }
+  if (describes_config(options, config::describe_config, config::describe_config_as_json_schema)) return kOk;
   int code = kSoftware;
   block_stop_signals();  // before the first thread, which inherits it
   try {

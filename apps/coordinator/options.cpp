@@ -55,9 +55,8 @@ ParsedOptions parse_options(int argc, char** argv) {
   CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM."};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-coordinator ") + kVersion, "print the version and end");
-  auto* config = app.add_option("--config", options.config_path, "configuration, e.g. data/config/coordinator.yaml");
+  add_config_options(app, options, "data/config/coordinator.yaml");
   app.add_option("--source", options.source, std::string("where frames come from: ") + kSources);
-  app.add_option("--name", options.name, "the robot's name on the bus, instead of the configuration's");
   app.add_option(
       "--lcm-url", options.lcm_url,
       "LCM bus; memq:// keeps everything inside this process. Default: $LCM_DEFAULT_URL, else this host alone");
@@ -78,13 +77,9 @@ ParsedOptions parse_options(int argc, char** argv) {
   app.add_flag("--live", options.live,
                "let files (video:, images:, log:) speak on the bus; otherwise they stay inside this process");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
-  app.add_flag("--describe-config{markdown}", options.describe_config,
-               "print every key of the configuration and end; --describe-config=json: as a JSON schema, for editors")
-      ->check(CLI::IsMember({"markdown", "json"}));
   try {
     app.parse(argc, argv);
     if (options.source) parse_source(*options.source);
-    if (options.describe_config.empty() && config->count() == 0) throw CLI::RequiredError("--config");
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return {options, code == 0 ? kOk : kUsage};

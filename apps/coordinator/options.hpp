@@ -3,6 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "config_options.hpp"
+
 namespace pilotfish::apps {
 
 /// Where frames come from: the part before and after the first colon of --source.
@@ -13,10 +15,8 @@ struct SourceSpec {
 /// Throws std::invalid_argument that lists what there is.
 SourceSpec parse_source(const std::string& text);
 
-struct Options {
-  std::string config_path;
+struct Options : ConfigOptions {
   std::optional<std::string> source;
-  std::optional<std::string> name;
   std::optional<std::string> law;
   std::optional<std::string> profile;
   std::optional<std::string> tuning;
@@ -28,7 +28,6 @@ struct Options {
   bool simulated_time = false;
   bool live = false;
   bool json = false;
-  std::string describe_config;  ///< how to print it: markdown, json; empty: not at all
 };
 
 /// The options, or the exit code with which to end at once (after --help, or a usage error already printed).

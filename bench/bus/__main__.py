@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import json
 import platform
+import sys
 import time
 from pathlib import Path
 from typing import Annotated
+
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `bench` is
 
 import numpy as np
 import typer
@@ -18,7 +21,7 @@ from receivers import CHANNEL, RECEIVERS, Receiver, now_us
 from rich.console import Console
 from rich.table import Table
 
-from pilotfish import wire
+from bench.common import wire
 
 FRAME_RATE_HZ = 30.0
 FLOOD_DATAGRAMS, FLOOD_BYTES = 20_000, 1000

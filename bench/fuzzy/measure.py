@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 from baselines import RESOLUTION, Law, pyfuzzylite_law, scikit_fuzzy_law, table_law
+from noisy_following import at_steady_state_error, mean_of_runs
 
 from pilotfish import control, fuzzy
-from pilotfish.noisy_following import at_steady_state_error, mean_of_runs
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,9 @@ from pathlib import Path
 import lcm
 from ear import Ear, Heard
 
+from bench.common import wire
 from bench.common.processes import process, real_time, work
-from pilotfish import data, sim, wire
+from pilotfish import data, sim
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, find_executable
 from pilotfish.harness.ports import private_lcm_url

@@ -1,19 +1,20 @@
-"""A header as Doxygen shall read it: members that a table of parameters() describes get the table's text and range, and
-where a list (``#define PILOTFISH_REASONS(X)``, rows ``X(name, ..., "text")``) makes members or enumerators, they stand
-there with the list's text.
+"""A header as Doxygen shall read it: parameters as the members that they are, with their text and range, and where a list
+(``#define PILOTFISH_REASONS(X)``, rows ``X(name, ..., "text")``) makes members or enumerators, these with the list's text.
 
-A thing is described once (CONTRIBUTING.md); the header would only say it again.
+A thing is described once (CONTRIBUTING.md): PILOTFISH_PARAMETER (core/parameter.hpp) and the lists hold all of it in one
+line, which Doxygen would not look into.
 """
 
 import re
 import sys
 from pathlib import Path
 
-TABLE = re.compile(r"& (\w+)::parameters\(\) \{(.*?)\n\}", re.DOTALL)
-ROW = re.compile(r'\{\s*"(\w+)",\s*&\w+::(\w+),\s*([^,{}"]+?),\s*([^,{}"]+?),\s*((?:"(?:[^"\\]|\\.)*"\s*)+)\}')
-TEXT_ROW = re.compile(r'\{\s*"(\w+)",\s*&\w+::(\w+),()()\s*\{\},\s*\{\},\s*((?:"(?:[^"\\]|\\.)*"\s*)+)\}')
-STRUCT = re.compile(r"^(?:struct|class) (\w+)\b[^;]*$")
-MEMBER = re.compile(r"^\s+[\w:<>, ]+ (\w+)(?: = [^;]*|\{[^;]*\})?;$")
+TEXT = r'((?:"(?:[^"\\]|\\.)*"\s*)+)\);'
+PARAMETER = re.compile(
+    r"(?m)^  PILOTFISH_PARAMETER\(\s*([\w:]+),\s*(\w+),\s*([^,]+?),\s*([^,]+?),\s*([^,]+?),\s*" + TEXT
+)
+WITHOUT_RANGE = re.compile(r"(?m)^  PILOTFISH_PARAMETER_WITHOUT_RANGE\(\s*([\w:]+),\s*(\w+),\s*([^,]+?)(),()\s*" + TEXT)
+TABLE = re.compile(r"(?m)^  PILOTFISH_PARAMETERS\((\w+)\);")
 
 LIST = re.compile(r"^#define (PILOTFISH_\w+)\(((?:X|FRAME|LOOP)(?:, \w+)*)\)((?:.*\\\n)+.*)", re.MULTILINE)
 MACRO = re.compile(r"^#define (PILOTFISH_\w+)\((\w+(?:, \w+)*)\) (.*)$")
@@ -25,16 +26,18 @@ SEVERAL = re.compile(
 )
 
 
-def tables(folder: Path) -> dict[tuple[str, str], str]:
-    """(struct, member): text and range."""
-    texts = {}
-    for source in sorted(folder.glob("*.cpp")):
-        for struct, body in TABLE.findall(source.read_text()):
-            for pattern in (ROW, TEXT_ROW):
-                for _, member, low, high, text in pattern.findall(body):
-                    words = "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', text))
-                    texts[struct, member] = words + (f" [{low}, {high}]" if low else "")
-    return texts
+def as_member(match: re.Match) -> str:
+    """``double name = default;  ///< text [min, max]``, on as many lines as it had."""
+    kind, name, default, low, high, text = match.groups()
+    words = "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', text)) + (f" [{low}, {high}]" if low else "")
+    return f"  {kind} {name} = {default};  ///< {words}" + "\n" * match[0].count("\n")
+
+
+def as_table(match: re.Match) -> str:
+    return (
+        f"  static const std::vector<Parameter<{match[1]}>>& parameters();"
+        "  ///< The table of its parameters: keys, ranges and texts."
+    )
 
 
 def one_each(line: str, comment: list[str]) -> str:
@@ -102,23 +105,16 @@ def expanded(text: str) -> str:
     return "\n".join(lines)
 
 
-def described(header: Path) -> str:
-    texts = tables(Path("src") / header.parent.name)
-    struct, comment, lines = "", [], []
-    for line in expanded(header.read_text()).splitlines():
-        if match := STRUCT.match(line):
-            struct = match[1]
-        text = None
-        if not comment:
-            if line.strip().endswith(" parameters();"):
-                text = "The table of its parameters: keys, ranges and texts."
-            elif (match := MEMBER.match(line)) and (struct, match[1]) in texts:
-                text = texts[struct, match[1]]
-        lines.append(f"{line}  ///< {text}" if text else one_each(line, comment))
+def described(text: str) -> str:
+    for pattern in (PARAMETER, WITHOUT_RANGE):
+        text = pattern.sub(as_member, text)
+    comment, lines = [], []
+    for line in expanded(TABLE.sub(as_table, text)).splitlines():
+        lines.append(one_each(line, comment))
         comment = [*comment, line.strip()] if line.lstrip().startswith("/// ") else []
     return "\n".join(lines)
 
 
 if __name__ == "__main__":
-    path = Path(sys.argv[1]).resolve().relative_to(Path.cwd())
-    print(described(path) if path.suffix == ".hpp" else path.read_text())
+    path = Path(sys.argv[1])
+    print(described(path.read_text()) if path.suffix == ".hpp" else path.read_text())

@@ -31,7 +31,7 @@ int main() {
   };
 
   control::FollowerConfig config;
-  config.laws.push_back(law);
+  control::add_law(config, law);
   control::set_active_law(config, "proportional");
   control::Follower follower(config);
 

@@ -178,6 +178,13 @@ const LawDescription& named(const FollowerConfig& config, const std::string& law
   throw ConfigError("law", "'" + law + "' is not one of `laws`");
 }
 
+void set_laws(FollowerConfig& config, const std::vector<LawDescription>& laws) {
+  FollowerConfig changed = config;
+  changed.laws = laws;
+  check_law_names(changed);
+  config.laws = laws;
+}
+
 /// A law written in Python: an object with follow(observation, setpoint, dt_s) -> Twist and, if it remembers anything,
 /// restart(). What it raises is printed, and the robot stands still.
 class PythonLaw final : public Law {
@@ -227,6 +234,7 @@ void bind_laws(py::module_& m) {
   py::class_<LawDescription>(m, "LawDescription",
                              "A law as the configuration, the command line and the documentation know it.")
       .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
+             check_own_law_name(name);
              const auto made = [make = std::move(make)](const std::vector<LawParameter>& values,
                                                         const LimitsConfig& limits) -> std::unique_ptr<Law> {
                LawDescription law{"", "", values, nullptr};
@@ -238,7 +246,9 @@ void bind_laws(py::module_& m) {
            py::arg("make"),
            "make({parameter: value}, limits) returns the law: an object with follow(observation, setpoint, dt_s) -> "
            "Twist "
-           "and, if it remembers anything, restart()")
+           "and, if it remembers anything, restart(). ConfigError (key `law`) if the name is that of another law or of "
+           "a "
+           "section of the configuration's `control`.")
       .def_readonly("name", &LawDescription::name, "one word, as in `law: pid`")
       .def_readonly("text", &LawDescription::text, "one line for lists")
       .def_readonly("parameters", &LawDescription::parameters, "list of LawParameter, a copy");
@@ -278,29 +288,37 @@ PYBIND11_MODULE(control, m) {
 
   py::class_<FollowerConfig> follower_config(m, "FollowerConfig", "Everything a Follower needs.");
   bind_attributes(follower_config);
-  follower_config
-      .def(py::init([](const fuzzy::Controller& law, Profile profile, const std::string& active_law,
-                       const std::vector<LawDescription>& laws, const py::kwargs& sections) {
-             FollowerConfig made;
-             made.law = law;
-             made.profile = profile;
-             made.laws = laws;
-             set_active_law(made, active_law);
-             set_attributes(made, sections, "FollowerConfig");
-             return made;
-           }),
-           py::kw_only(), py::arg("law"), py::arg_v("profile", Profile::anticipate, "Profile.anticipate"),
-           py::arg("active_law") = kFuzzyLaw, py::arg_v("laws", built_in_laws(), "built_in_laws()"),
-           "law: the fuzzy controller. Sections by keyword: velocity, heading, limits, anticipate, leader_motion, "
-           "drive, leader_intent, view. ConfigError names the key at fault, TypeError an unknown keyword.")
-      .def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
+  {
+    py::options options;
+    options.disable_function_signatures();
+    const std::string signature = keyword_signature<FollowerConfig>(
+        ", law: pilotfish.fuzzy.Controller, profile: Profile = Profile.anticipate, active_law: str = '" +
+            std::string(kFuzzyLaw) + "', laws: list[LawDescription] = ...",
+        ", view: FieldOfView = ...");
+    follower_config.def(py::init([](const fuzzy::Controller& law, Profile profile, const std::string& active_law,
+                                    const std::vector<LawDescription>& laws, const py::kwargs& sections) {
+                          FollowerConfig made;
+                          made.law = law;
+                          made.profile = profile;
+                          set_laws(made, laws);
+                          set_active_law(made, active_law);
+                          set_attributes(made, sections, "FollowerConfig");
+                          return made;
+                        }),
+                        py::kw_only(), py::arg("law"), py::arg("profile") = Profile::anticipate,
+                        py::arg("active_law") = kFuzzyLaw, py::arg("laws") = built_in_laws(),
+                        (signature + " law: the fuzzy controller; laws: built_in_laws() and your own.").c_str());
+  }
+  follower_config.def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
       .def_readwrite("law", &FollowerConfig::law,
                      "fuzzy.Controller: the fuzzy law, by default the paper's 56 rules (Table I)")
       .def_property(
           "active_law", [](const FollowerConfig& of) { return of.active_law; }, &set_active_law,
           "\"fuzzy\" or the name of one of `laws`; ValueError lists them")
-      .def_readwrite("laws", &FollowerConfig::laws,
-                     "what may drive instead of the fuzzy law; assign a new list to change it")
+      .def_property(
+          "laws", [](const FollowerConfig& of) { return of.laws; }, &set_laws,
+          "what may drive instead of the fuzzy law; assign a new list to change it. ConfigError if a name is there "
+          "twice")
       .def(
           "law_parameters",
           [](const FollowerConfig& config, const std::string& law) { return values_of(named(config, law)); },

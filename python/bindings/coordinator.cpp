@@ -80,13 +80,6 @@ void bind_config(py::module_& m) {
   m.def("load_bundle", &config::load_bundle, py::arg("bundle"), "ValueError names the key at fault.");
   m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
   m.def(
-      "load_tuning",
-      [](const std::filesystem::path& path, control::FollowerConfig config) {
-        config::load_tuning(path, config);
-        return config;
-      },
-      py::arg("path"), py::arg("control"), "The control configuration with what the file says instead.");
-  m.def(
       "apply_overrides",
       [](control::FollowerConfig config, std::optional<std::string> law, std::optional<std::string> profile,
          const std::optional<std::filesystem::path>& tuning) {

@@ -18,10 +18,11 @@ namespace pilotfish::python {
 
 namespace py = pybind11;
 
-/// Of a constructor, as text: pybind11 would show **kwargs. After the attributes are bound.
+/// Of a constructor, as text: pybind11 would show **kwargs. After the attributes are bound. `before` and `after`:
+/// keywords that are neither in parameters() nor in sections(), as ", law: fuzzy.Controller".
 template <class Config>
-std::string keyword_signature() {
-  std::string text = "__init__(self, *";
+std::string keyword_signature(const std::string& before = "", const std::string& after = "") {
+  std::string text = "__init__(self, *" + before;
   const py::object defaults = py::cast(Config{});
   const auto type_of = [](const py::object& value) {
     return py::str(py::type::of(value).attr("__name__")).cast<std::string>();
@@ -40,7 +41,7 @@ std::string keyword_signature() {
       const std::string type = type_of(defaults.attr(name.c_str()));
       text += ", " + name + ": " + type + " = ...";
     });
-  return text +
+  return text + after +
          ") -> None\n\nConfigError (a ValueError) names a number out of its range, TypeError an unknown keyword.";
 }
 
@@ -68,12 +69,14 @@ template <class Config>
 void bind_attributes(py::class_<Config>& binding) {
   if constexpr (kHasParameters<Config>)
     for (const Parameter<Config>& parameter : Config::parameters()) {
-      std::ostringstream doc;
-      doc << parameter.text << " [" << parameter.min << ", " << parameter.max << "]";
       const std::string key(parameter.key);
       std::visit(
           [&](auto member) {
             using Value = std::decay_t<decltype(std::declval<Config>().*member)>;
+            std::ostringstream doc;
+            doc << parameter.text;
+            if constexpr (!std::is_same_v<Value, bool> && !std::is_same_v<Value, std::string>)
+              doc << " [" << parameter.min << ", " << parameter.max << "]";
             binding.def_property(
                 key.c_str(), [member](const Config& config) { return config.*member; },
                 [member, &parameter](Config& config, const Value& value) {

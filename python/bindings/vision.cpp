@@ -80,18 +80,7 @@ PYBIND11_MODULE(vision, m) {
             py::gil_scoped_release unlocked;
             return detector.detect(view);
           },
-          "image: (H, W) uint8", py::arg("image"))
-      .def(
-          "detect_unchecked",
-          [](TagDetector& detector, const py::bytes& data, int width, int height, int stride_bytes) {
-            const std::string_view bytes = data;
-            const ImageView view{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), width, height,
-                                 stride_bytes};
-            py::gil_scoped_release unlocked;
-            return detector.detect(view);
-          },
-          "A picture whose claimed size need not fit its bytes, as it might come off a wire.", py::arg("data"),
-          py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"));
+          "image: (H, W) uint8", py::arg("image"));
 
   bind_parameters<TagGates>(m, "TagGates", "Which tags are accepted once they have been found.");
   py::class_<Appearance>(m, "Appearance", "How a template looks in a picture.")

@@ -3,7 +3,7 @@
 The modules of the C++ library are extension modules of the same names (``pilotfish.core``, ``.fuzzy``, ``.vision``,
 ``.control``, ``.coordinator``, ``.capture``, ``.bus``, ``.sim``, ``.base``, ``.blackbox``), loaded when they are first
 used. On top of them, in Python: ``operating`` talks to a running coordinator, ``harness`` runs scenarios,
-``experiments`` holds the source paper's two, ``metrics`` and ``plots`` evaluate and draw, ``body_learning`` finds where
+``experiments`` holds the source paper's two, ``metrics`` and ``plots`` evaluate and draw, ``calibration`` finds where
 a leader's tags sit, ``cli`` is the command line.
 """
 

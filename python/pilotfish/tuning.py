@@ -10,13 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 
 from pilotfish import control, coordinator, data, sim
 from pilotfish.errors import MissingPackageError
 from pilotfish.harness.drawn_observations import DrawnObservations
-from pilotfish.harness.driving import BASELINES, Driving
+from pilotfish.harness.driving import Driving
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import rms_jerk_mps3
@@ -142,29 +144,41 @@ class Tuned:
 
     def write(self, file: Path) -> Path:
         """As a file for ``tuning:`` or ``--tuning``."""
-        lines = [
-            f"# Made by: pilotfish tune {self.driving.name} --trials {self.trials} --seed {self.seed}",
-            f"# Cost {self.cost:.3f}, before {self.cost_before:.3f} (see pilotfish.tuning).",
-        ]
-        section = ""
-        for key, value in sorted(self.parameters.items()):
-            if (own := key.split(".")[0]) != section:
-                section = own
-                lines.append(f"{section}:")
-            lines.append(f"  {key.split('.')[1]}: {value:.6g}")
+        sections: dict[str, dict[str, float]] = {}
+        for key, value in self.parameters.items():
+            section, name = key.split(".")
+            sections.setdefault(section, {})[name] = float(f"{value:.6g}")
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text("\n".join(lines) + "\n")
+        file.write_text(
+            f"# Made by: pilotfish tune {self.driving.name} --trials {self.trials} --seed {self.seed}\n"
+            f"# Cost {self.cost:.3f}, before {self.cost_before:.3f} (see pilotfish.tuning).\n"
+            + yaml.safe_dump(sections)
+        )
         return file
+
+
+class _LawSection:
+    """A law's numbers as attributes, as those of every other section of ``control`` are."""
+
+    def __init__(self, config: control.FollowerConfig, law: str) -> None:
+        self.__dict__.update(config=config, law=law)
+
+    def __getattr__(self, key: str) -> float:
+        return self.config.law_parameters(self.law)[key]
+
+    def __setattr__(self, key: str, value: float) -> None:
+        self.config.set_law_parameter(self.law, key, value)
+
+
+def _section(config: control.FollowerConfig, name: str) -> Any:
+    return _LawSection(config, name) if any(law.name == name for law in config.laws) else getattr(config, name)
 
 
 def set_parameters(config: coordinator.CoordinatorConfig, parameters: Mapping[str, float]) -> None:
     """Keys as in SEARCH, "section.key" of the coordinator's section ``control``."""
     for key, value in parameters.items():
         section, name = key.split(".")
-        if section in BASELINES:
-            config.control.set_law_parameter(section, name, value)
-        else:
-            setattr(getattr(config.control, section), name, value)
+        setattr(_section(config.control, section), name, value)
 
 
 def current_parameters(name: str) -> dict[str, float]:
@@ -174,11 +188,7 @@ def current_parameters(name: str) -> dict[str, float]:
     ).coordinator
     Driving(name).apply(config)
     keys = (key.split(".") for key in search_ranges(name))
-    return {f"{section}.{key}": _parameter(config.control, section, key) for section, key in keys}
-
-
-def _parameter(config: control.FollowerConfig, section: str, key: str) -> float:
-    return config.law_parameters(section)[key] if section in BASELINES else getattr(getattr(config, section), key)
+    return {f"{section}.{key}": getattr(_section(config.control, section), key) for section, key in keys}
 
 
 def tune(name: str, trials: int, seed: int, on_trial: Callable[[int, int], None] | None = None) -> Tuned:

@@ -12,26 +12,6 @@ constexpr double kLongestStep_s = 0.1;
 
 }  // namespace
 
-const std::vector<Parameter<SerialConfig>>& SerialConfig::parameters() {
-  using C = SerialConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"baud", &C::baud, 9600, 4'000'000, "of the serial line; one of the usual numbers"},
-      {"timeout_s", &C::timeout_s, 0.05, 5.0,
-       "a controller that has echoed no line sent within this time cannot be reached: fault, zeros"},
-  };
-  return table;
-}
-
-const std::vector<Parameter<BaseConfig>>& BaseConfig::parameters() {
-  using C = BaseConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"rate_hz", &C::rate_hz, 20.0, 200.0,
-       "lines to the wheels and messages on NAME_BASE per second; more go out when something changes"},
-      {"start_stopped", &C::start_stopped, 0, 1, "begin with a latched stop: nothing moves until it is resumed"},
-  };
-  return table;
-}
-
 std::string_view to_string(BaseState state) noexcept {
   switch (state) {
     case BaseState::waiting: return "waiting";

@@ -27,17 +27,6 @@ std::string_view to_string(CommandVerdict verdict) noexcept {
   return "command_unknown";
 }
 
-const std::vector<Parameter<CommandGuardConfig>>& CommandGuardConfig::parameters() {
-  using C = CommandGuardConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"max_command_age_s", &C::max_command_age_s, 0.02, 0.1,
-       "a command is good for this long after its arrival, then zeros; 5 ms below the limit leave time for the line"},
-      {"takeover_s", &C::takeover_s, 0.2, 60.0,
-       "a sender that is silent for longer has ended, and another one may be obeyed"},
-  };
-  return table;
-}
-
 CommandGuard::CommandGuard(const CommandGuardConfig& config, std::int64_t own_session, bool simulated_allowed)
     : config_(config), own_session_(own_session), simulated_allowed_(simulated_allowed) {}
 

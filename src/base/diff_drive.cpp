@@ -19,17 +19,6 @@ constexpr double kSlackTicks = 4.0;   // a reading's own rounding, in very short
 
 }  // namespace
 
-const std::vector<Parameter<DriveGeometry>>& DriveGeometry::parameters() {
-  using C = DriveGeometry;
-  static const std::vector<Parameter<C>> table = {
-      {"wheel_radius_m", &C::wheel_radius_m, 0.005, 1.0, "of both driven wheels, as they roll under load"},
-      {"track_width_m", &C::track_width_m, 0.02, 5.0, "between the points where the two wheels touch the ground"},
-      {"ticks_per_revolution", &C::ticks_per_revolution, 1, 1'000'000,
-       "of a wheel (not of its motor), as the controller counts them: all edges, behind the gear"},
-  };
-  return table;
-}
-
 WheelSpeeds wheel_speeds(const DriveGeometry& geometry, const Twist& twist) noexcept {
   const double half_turn_mps = twist.angular_radps * geometry.track_width_m / 2.0;
   return {(twist.linear_mps - half_turn_mps) / geometry.wheel_radius_m,

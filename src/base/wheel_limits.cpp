@@ -21,22 +21,6 @@ double approach(double wanted, double told, double up, double down, double dt) n
 
 }  // namespace
 
-const std::vector<Parameter<WheelLimitsConfig>>& WheelLimitsConfig::parameters() {
-  using C = WheelLimitsConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"max_linear_mps", &C::max_linear_mps, 0.01, 5.0, "forward speed"},
-      {"max_reverse_mps", &C::max_reverse_mps, 0.0, 5.0, "speed allowed backwards; 0 forbids reversing"},
-      {"max_linear_acceleration_mps2", &C::max_linear_acceleration_mps2, 0.01, 20.0, "speeding up"},
-      {"brake_mps2", &C::brake_mps2, 0.01, 100.0,
-       "slowing down to a speed that is not zero; zero itself is passed on at once"},
-      {"max_angular_radps", &C::max_angular_radps, 0.01, 20.0, "turn rate"},
-      {"max_angular_acceleration_radps2", &C::max_angular_acceleration_radps2, 0.01, 200.0, "change of turn rate"},
-      {"max_wheel_radps", &C::max_wheel_radps, 0.1, 1000.0,
-       "of each wheel; where one would be faster, both are slowed down alike"},
-  };
-  return table;
-}
-
 Twist limit(const WheelLimitsConfig& limits, const DriveGeometry& geometry, const Twist& wanted, const Twist& told,
             double dt_s) noexcept {
   if (!is_finite(wanted) || wanted == Twist{}) return {};

@@ -48,19 +48,6 @@ void check_black_box(const YamlSection& root, const BlackBoxConfig& config) {
 
 }  // namespace
 
-const std::vector<Parameter<BlackBoxConfig>>& BlackBoxConfig::parameters() {
-  using C = BlackBoxConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"directory", &C::directory, 0.0, 0.0,
-       "folder for the recording, made if there is none; empty: nothing is recorded"},
-      {"total_mb", &C::total_mb, 2, 1'000'000, "size of all files of this robot; beyond, the oldest are deleted"},
-      {"segment_mb", &C::segment_mb, 1, 1000, "size of one file"},
-      {"picture_rate_hz", &C::picture_rate_hz, 0.0, 1000.0,
-       "so often a picture that came raw is kept as a JPEG; images that came as JPEG are all kept"},
-  };
-  return table;
-}
-
 std::string leader_intent_from(const std::string& name) {
   if (name == "none") return "";
   check_robot_name(name, "leader_intent_from");

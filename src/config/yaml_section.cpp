@@ -1,7 +1,6 @@
 #include "pilotfish/config/yaml_section.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -108,11 +107,7 @@ YAML::Node YamlSection::require(const std::string& key) {
 double YamlSection::number(const std::string& key, double min, double max) {
   const YAML::Node node = require(key);
   const double value = as_number(node, error(key, shown(node) + " is not a number"));
-  if (!std::isfinite(value) || value < min || value > max) {
-    std::ostringstream problem;
-    problem << value << " is outside [" << min << ", " << max << "]";
-    throw error(key, problem.str());
-  }
+  if (const auto problem = outside(value, min, max)) throw error(key, *problem);
   return value;
 }
 
@@ -127,8 +122,7 @@ int YamlSection::integer(const std::string& key, int min, int max) {
   const YAML::Node node = require(key);
   const auto value = node.IsScalar() ? number_from<int>(node.Scalar()) : std::nullopt;
   if (!value) throw error(key, shown(node) + " is not a whole number");
-  if (*value < min || *value > max)
-    throw error(key, std::to_string(*value) + " is outside [" + std::to_string(min) + ", " + std::to_string(max) + "]");
+  if (const auto problem = outside(*value, min, max)) throw error(key, *problem);
   return *value;
 }
 
@@ -190,15 +184,11 @@ std::vector<YamlSection> YamlSection::sections(const std::string& key) {
   return result;
 }
 
-std::array<double, 3> YamlSection::vector3(const std::string& key, double min, double max) {
+Vector3 YamlSection::vector3(const std::string& key, double min, double max) {
   const std::vector<double> values = numbers(key);
   if (values.size() != 3) throw error(key, "needs three numbers, got " + std::to_string(values.size()));
-  for (double value : values) {
-    if (std::isfinite(value) && value >= min && value <= max) continue;
-    std::ostringstream problem;
-    problem << value << " is outside [" << min << ", " << max << "]";
-    throw error(key, problem.str());
-  }
+  for (double value : values)
+    if (const auto problem = outside(value, min, max)) throw error(key, *problem);
   return {values[0], values[1], values[2]};
 }
 

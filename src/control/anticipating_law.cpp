@@ -21,28 +21,6 @@ double bearing_rate(const LeaderMotion& leader, double own_linear_mps) {
 
 }  // namespace
 
-const std::vector<Parameter<AnticipateConfig>>& AnticipateConfig::parameters() {
-  using C = AnticipateConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"error_scale_m", &C::error_scale_m, 0.01, 20.0, "predicted distance error that is 1 on the universe of e"},
-      {"error_change_scale_m", &C::error_change_scale_m, 1e-4, 5.0,
-       "predicted change of the error per control period that is 1 on the universe of ec"},
-      {"velocity_scale_mps", &C::velocity_scale_mps, 0.01, 5.0,
-       "speed relative to the leader commanded at 1 on the universe of u"},
-      {"heading_gain_per_s", &C::heading_gain_per_s, 0.0, 20.0, "turn rate per radian of predicted bearing error"},
-      {"half_weight_sigma_mps", &C::half_weight_sigma_mps, 1e-3, 10.0,
-       "standard deviation of the leader's velocity at which it counts half"},
-      {"minimum_distance_m", &C::minimum_distance_m, 0.0, 20.0,
-       "d_min: never so fast that the robot could not stop before, should the leader stop dead"},
-      {"safety_sigmas", &C::safety_sigmas, 0.0, 10.0,
-       "the distance counts as shorter by so many standard deviations when that is judged"},
-      {"guard_time_s", &C::guard_time_s, 0.05, 5.0, "the leader may not approach the picture's edge faster than this"},
-      {"ease_time_s", &C::ease_time_s, 0.0, 2.0,
-       "time constant with which the top speed is approached; 0: with a jolt"},
-  };
-  return table;
-}
-
 double feed_forward_weight(const AnticipateConfig& config, const LeaderMotion& leader) noexcept {
   const double sigma = std::max(leader.radial_sigma_mps, leader.tangential_sigma_mps) / config.half_weight_sigma_mps;
   return 1.0 / (1.0 + sigma * sigma);

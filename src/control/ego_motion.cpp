@@ -23,17 +23,6 @@ std::string_view to_string(EgoMotionSource source) noexcept {
   return source == EgoMotionSource::odometry ? "odometry" : "commanded";
 }
 
-const std::vector<Parameter<DriveModelConfig>>& DriveModelConfig::parameters() {
-  using C = DriveModelConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"latency_s", &C::latency_s, 0.0, 0.25, "from the exposure to the moment the command that answers it acts"},
-      {"actuator_lag_s", &C::actuator_lag_s, 0.0, 1.0, "time constant of the wheels' speed control; 0: none"},
-      {"odometry_filter_s", &C::odometry_filter_s, 0.0, 1.0,
-       "time constant with which odometry, where there is one, corrects the model of the drive; 0: at once"},
-  };
-  return table;
-}
-
 EgoMotion::EgoMotion(const DriveModelConfig& drive, const LimitsConfig& limits) : drive_(drive), limits_(limits) {}
 
 void EgoMotion::command(const Twist& twist, std::int64_t acts_utime) noexcept {

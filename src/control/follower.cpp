@@ -13,6 +13,22 @@ namespace pilotfish::control {
 
 namespace {
 
+[[noreturn]] void refuse_name(std::string_view name, const std::string& owner) {
+  throw ConfigError("law", "'" + std::string(name) + "' " + owner + "; a law of your own needs another name");
+}
+
+/// A file says `law: NAME` and has a section control.NAME: so NAME must be neither another law's nor another section's.
+void check_is_no_other_word(std::string_view name) {
+  if (name == kFuzzyLaw) refuse_name(name, "is the fuzzy law");
+  FollowerConfig::sections([&](std::string_view section, auto) {
+    if (name == section) refuse_name(name, "is a section of the configuration's `control`");
+  });
+}
+
+bool is_there(const std::vector<LawDescription>& laws, std::string_view name) {
+  return std::any_of(laws.begin(), laws.end(), [&](const LawDescription& law) { return law.name == name; });
+}
+
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
 /// it, and every law here takes the opposite for granted. So the robot turns to it first.
 Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
@@ -20,6 +36,26 @@ Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
 }
 
 }  // namespace
+
+void check_own_law_name(std::string_view name) {
+  check_is_no_other_word(name);
+  if (is_there(built_in_laws(), name)) refuse_name(name, "comes with Pilotfish");
+}
+
+void add_law(FollowerConfig& config, LawDescription law) {
+  check_own_law_name(law.name);
+  if (is_there(config.laws, law.name)) refuse_name(law.name, "is there already");
+  config.laws.push_back(std::move(law));
+}
+
+void check_law_names(const FollowerConfig& config) {
+  std::vector<std::string_view> names;
+  for (const LawDescription& law : config.laws) {
+    check_is_no_other_word(law.name);
+    if (std::find(names.begin(), names.end(), law.name) != names.end()) refuse_name(law.name, "is there twice");
+    names.push_back(law.name);
+  }
+}
 
 std::vector<std::string> law_names(const FollowerConfig& config) {
   std::vector<std::string> names = {kFuzzyLaw};
@@ -68,6 +104,7 @@ Follower::Follower(FollowerConfig config)
       leader_(config_.leader_motion),
       intent_(config_.leader_intent) {
   check_tree(config_, "control");
+  check_law_names(config_);
   for (LawDescription& law : config_.laws)
     for (const LawParameter& parameter : law.parameters) set_parameter(law, parameter.key, parameter.value);
   set_active_law(config_, config_.active_law);

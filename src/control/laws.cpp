@@ -1,5 +1,3 @@
-#include <sstream>
-
 #include "pilotfish/control/law.hpp"
 #include "pilotfish/control/pbvs_law.hpp"
 #include "pilotfish/control/pid_law.hpp"
@@ -18,11 +16,8 @@ std::vector<LawDescription> built_in_laws() {
 void set_parameter(LawDescription& law, std::string_view key, double value) {
   for (LawParameter& parameter : law.parameters) {
     if (parameter.key != key) continue;
-    if (!(value >= parameter.min && value <= parameter.max)) {
-      std::ostringstream problem;
-      problem << value << " is outside [" << parameter.min << ", " << parameter.max << "]";
-      throw ConfigError("control." + law.name + "." + parameter.key, problem.str());
-    }
+    if (const auto problem = outside(value, parameter.min, parameter.max))
+      throw ConfigError("control." + law.name + "." + parameter.key, *problem);
     parameter.value = value;
     return;
   }

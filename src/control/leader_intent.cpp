@@ -24,20 +24,6 @@ double no_faster(double seen, double announced) {
 
 }  // namespace
 
-const std::vector<Parameter<LeaderIntentConfig>>& LeaderIntentConfig::parameters() {
-  using C = LeaderIntentConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"linear_tolerance_mps", &C::linear_tolerance_mps, 0.001, 1.0,
-       "an announced speed so near to the seen one says the same"},
-      {"angular_tolerance_radps", &C::angular_tolerance_radps, 0.001, 5.0, "the same, of the turn rate"},
-      {"max_age_s", &C::max_age_s, 0.0, 0.1, "older than the picture by more than this it says nothing"},
-      {"confirmed_within_s", &C::confirmed_within_s, 0.1, 0.5, "what is announced must be seen after so long"},
-      {"probation_s", &C::probation_s, 0.1, 60.0, "so long it must have agreed with vision before it counts"},
-      {"suspended_s", &C::suspended_s, 1.0, 3600.0, "so long it does not count after one disagreement"},
-  };
-  return table;
-}
-
 std::string_view to_string(LeaderIntentUse use) noexcept {
   switch (use) {
     case LeaderIntentUse::silent: return "silent";

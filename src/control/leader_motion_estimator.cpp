@@ -33,24 +33,6 @@ LeaderMatrix symmetric(const LeaderMatrix& matrix) { return 0.5 * (matrix + matr
 
 }  // namespace
 
-const std::vector<Parameter<LeaderMotionConfig>>& LeaderMotionConfig::parameters() {
-  using C = LeaderMotionConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"quiescent_velocity_sigma", &C::quiescent_velocity_sigma, 1e-5, 10.0,
-       "quiescent mode: change of the leader's velocity [m/s per sqrt(s)]"},
-      {"quiescent_turn_sigma", &C::quiescent_turn_sigma, 1e-5, 100.0, "change of its turn rate [rad/s per sqrt(s)]"},
-      {"manoeuvre_velocity_sigma", &C::manoeuvre_velocity_sigma, 1e-5, 10.0, "manoeuvre mode: the same"},
-      {"manoeuvre_turn_sigma", &C::manoeuvre_turn_sigma, 1e-5, 100.0, "manoeuvre mode: the same"},
-      {"abrupt_velocity_sigma", &C::abrupt_velocity_sigma, 1e-5, 10.0, "abrupt mode (stops dead, starts): the same"},
-      {"abrupt_turn_sigma", &C::abrupt_turn_sigma, 1e-5, 100.0, "abrupt mode (stops dead, starts): the same"},
-      {"change_rate_per_s", &C::change_rate_per_s, 1e-4, 30.0, "how often a leader passes from one to another"},
-      {"own_position_sigma", &C::own_position_sigma, 0.0, 1.0, "error of the own dead reckoning [m per sqrt(s)]"},
-      {"gate_sigma", &C::gate_sigma, 3.0, 100.0, "a measurement farther off than this is an outlier"},
-      {"max_outliers", &C::max_outliers, 1, 30, "so many in a row are none: the estimate begins anew"},
-  };
-  return table;
-}
-
 /// With w the turn rate, a = w dt and R(a) the rotation by a, a coordinated turn moves the leader along a chord:
 ///
 ///   p += dt g(a) v,  g(a) = sinc(a/2) R(a/2),     v -> R(a) v,     heading += a

@@ -11,18 +11,6 @@ double slew(double wanted, double previous, double max_change) {
 
 }  // namespace
 
-const std::vector<Parameter<LimitsConfig>>& LimitsConfig::parameters() {
-  using C = LimitsConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"max_linear_mps", &C::max_linear_mps, 0.01, 5.0, "forward speed"},
-      {"max_reverse_mps", &C::max_reverse_mps, 0.0, 5.0, "speed allowed backwards; 0 forbids reversing"},
-      {"max_linear_acceleration_mps2", &C::max_linear_acceleration_mps2, 0.01, 20.0, "speeding up and braking"},
-      {"max_angular_radps", &C::max_angular_radps, 0.01, 20.0, "turn rate"},
-      {"max_angular_acceleration_radps2", &C::max_angular_acceleration_radps2, 0.01, 200.0, "change of turn rate"},
-  };
-  return table;
-}
-
 Twist limit(const LimitsConfig& config, const Twist& wanted, const Twist& previous, double dt_s) {
   const double dt = std::max(dt_s, 0.0);
   Twist limited;

@@ -6,20 +6,6 @@
 
 namespace pilotfish::control {
 
-const std::vector<Parameter<PidConfig>>& PidConfig::parameters() {
-  using C = PidConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"distance_kp", &C::distance_kp, 0.0, 50.0, "speed per metre of distance error [1/s]"},
-      {"distance_ki", &C::distance_ki, 0.0, 50.0, "its integral [1/s2]"},
-      {"distance_kd", &C::distance_kd, 0.0, 50.0, "its derivative"},
-      {"bearing_kp", &C::bearing_kp, 0.0, 50.0, "turn rate per radian of bearing error [1/s]"},
-      {"bearing_ki", &C::bearing_ki, 0.0, 50.0, "its integral [1/s2]"},
-      {"bearing_kd", &C::bearing_kd, 0.0, 50.0, "its derivative"},
-      {"derivative_filter_s", &C::derivative_filter_s, 0.0, 5.0, "time constant of the low-pass on the derivatives"},
-  };
-  return table;
-}
-
 Twist PidLaw::follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept {
   const PidConfig& c = config_;
   Twist wanted;

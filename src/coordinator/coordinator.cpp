@@ -60,19 +60,6 @@ bool is_too_near(const Setpoint& setpoint, double stop_distance_m) { return setp
 
 }  // namespace
 
-const std::vector<Parameter<SafetyConfig>>& SafetyConfig::parameters() {
-  using C = SafetyConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"max_age_s", &C::max_age_s, 0.0, 0.25,
-       "a measurement older than this moves nothing; above 0.1 only if max_age_s x the top speed stays within 0.06 m"},
-      {"stop_distance_m", &C::stop_distance_m, 0.0, 20.0,
-       "no setpoint below this is taken: between turning centres, the halves of both robots and a margin"},
-      {"noiseless_camera", &C::noiseless_camera, 0, 1,
-       "true: pictures are synthetic, so that the same pixels again and again do not mean a frozen camera"},
-  };
-  return table;
-}
-
 Coordinator::Coordinator(const CoordinatorConfig& config)
     : max_age_us_(static_cast<std::int64_t>(config.safety.max_age_s * 1e6)),
       stop_distance_m_(config.safety.stop_distance_m),

@@ -115,16 +115,6 @@ Eigen::Vector2d normalize_pixel(const CameraModel& camera, const Eigen::Vector2d
   return point;
 }
 
-const std::vector<Parameter<CameraMounting>>& CameraMounting::parameters() {
-  static const std::vector<Parameter<CameraMounting>> table = {
-      {"position_m", &CameraMounting::position_m, -5.0, 5.0, "optical centre in the base frame: forward, left, up"},
-      {"pan_rad", &CameraMounting::pan_rad, -kPi, kPi, "positive: the camera looks to the left"},
-      {"tilt_rad", &CameraMounting::tilt_rad, -kPi / 2, kPi / 2, "positive: the camera looks up"},
-      {"roll_rad", &CameraMounting::roll_rad, -kPi, kPi, "positive: turned clockwise, seen from behind the camera"},
-  };
-  return table;
-}
-
 Eigen::Isometry3d base_from_camera(const CameraMounting& mounting) {
   // Columns: where the camera's right, down and forward point in the base frame when all angles are zero.
   Eigen::Matrix3d looking_ahead;

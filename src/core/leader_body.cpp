@@ -8,19 +8,6 @@
 
 namespace pilotfish {
 
-const std::vector<Parameter<BodyTag>>& BodyTag::parameters() {
-  static const std::vector<Parameter<BodyTag>> table = {
-      {"id", &BodyTag::id, 0, 65535, "number of the tag in its family"},
-      {"size_m", &BodyTag::size_m, 0.005, 5.0, "side of the black square"},
-      {"position_m", &BodyTag::position_m, -10.0, 10.0, "centre in the leader's base frame: forward, left, up"},
-      {"facing_rad", &BodyTag::facing_rad, -2 * kPi, 2 * kPi,
-       "direction it looks: 0 forward, 90 deg left, 180 deg rear"},
-      {"tilt_rad", &BodyTag::tilt_rad, -kPi / 2, kPi / 2, "positive: it looks up"},
-      {"roll_rad", &BodyTag::roll_rad, -kPi, kPi, "turned clockwise, as one reads it"},
-  };
-  return table;
-}
-
 Eigen::Isometry3d body_from_tag(const BodyTag& tag) {
   // A camera that looks the way the tag hangs sees it upright, so the tag's axes are those of a camera whose optical
   // axis points INTO the wall: pan = facing + pi, tilt reversed. Turning the tag clockwise as read is that camera's

@@ -30,15 +30,6 @@ double follow_ramp(double& v, double& r, double a, double tau, double t) {
 
 }  // namespace
 
-const std::vector<Parameter<Pose2>>& Pose2::parameters() {
-  static const std::vector<Parameter<Pose2>> table = {
-      {"x_m", &Pose2::x_m, -1e4, 1e4, "in the world frame"},
-      {"y_m", &Pose2::y_m, -1e4, 1e4, "in the world frame"},
-      {"heading_rad", &Pose2::heading_rad, -2 * kPi, 2 * kPi, "0 along the world's x axis, positive to the left"},
-  };
-  return table;
-}
-
 double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin(a) / a; }
 
 Pose2 move_along_arc(const Pose2& pose, const Twist& twist, double dt_s) {

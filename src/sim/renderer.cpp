@@ -30,19 +30,6 @@ void blur(std::vector<Gray16>& grays, int width, int height, double sigma_px) {
 
 }  // namespace
 
-const std::vector<Parameter<Imperfections>>& Imperfections::parameters() {
-  static const std::vector<Parameter<Imperfections>> table = {
-      {"blur_sigma_px", &Imperfections::blur_sigma_px, 0.0, 20.0, "of the lens's Gaussian blur; 0: sharp"},
-      {"noise_sigma", &Imperfections::noise_sigma, 0.0, 100.0, "of white Gaussian noise, in gray levels"},
-      {"exposure_gain", &Imperfections::exposure_gain, 0.01, 10.0, "all grays times this, clipped at 255"},
-      {"exposure_time_s", &Imperfections::exposure_time_s, 0.0, 0.5, "how long the shutter is open: motion blur"},
-      {"exposure_samples", &Imperfections::exposure_samples, 1, 64,
-       "instants averaged if the shutter is open for long"},
-      {"clutter", &Imperfections::clutter, 0.0, 1.0, "contrast of the background; 0: a plain wall"},
-  };
-  return table;
-}
-
 /// What is computed once per camera.
 struct Renderer::Optics {
   CameraModel camera;

@@ -38,17 +38,6 @@ Surface sheet(const RobotBody& body, const BodyTag& tag, const TagCells& cells) 
 
 }  // namespace
 
-const std::vector<Parameter<RobotBody>>& RobotBody::parameters() {
-  static const std::vector<Parameter<RobotBody>> table = {
-      {"box_size_m", &RobotBody::box_size_m, 0.0, 10.0, "length, width, height; any of them zero: no box"},
-      {"box_position_m", &RobotBody::box_position_m, -10.0, 10.0, "centre of the box in the robot's base frame"},
-      {"box_gray", &RobotBody::box_gray, 0.0, 255.0, "of its rear and front; other sides are brighter or darker"},
-      {"white_gray", &RobotBody::white_gray, 0.0, 255.0, "of the tags' paper"},
-      {"black_gray", &RobotBody::black_gray, 0.0, 255.0, "of the tags' ink"},
-  };
-  return table;
-}
-
 std::vector<Surface> surfaces_of(const RobotBody& body) {
   std::vector<Surface> surfaces;
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();

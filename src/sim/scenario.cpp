@@ -16,33 +16,6 @@ void check_part(const std::optional<Config>& part, const std::string& section) {
 
 }  // namespace
 
-const std::vector<Parameter<Visibility>>& Visibility::parameters() {
-  static const std::vector<Parameter<Visibility>> table = {
-      {"hidden_from_s", &Visibility::hidden_from_s, 0.0, kNever_s, "from then on nobody sees it"},
-      {"hidden_until_s", &Visibility::hidden_until_s, 0.0, kNever_s, "from then on it is seen again"},
-  };
-  return table;
-}
-
-const std::vector<Parameter<CameraSpec>>& CameraSpec::parameters() {
-  static const std::vector<Parameter<CameraSpec>> table = {
-      {"latency_s", &CameraSpec::latency_s, 0.0, 2.0, "from the exposure until the command that answers it acts"},
-      {"drop_probability", &CameraSpec::drop_probability, 0.0, 1.0, "of a picture never being delivered"},
-  };
-  return table;
-}
-
-const std::vector<Parameter<Scenario>>& Scenario::parameters() {
-  static const std::vector<Parameter<Scenario>> table = {
-      {"name", &Scenario::name, 0, 0, "one word, for file names"},
-      {"description", &Scenario::description, 0, 0, "what there is to see"},
-      {"duration_s", &Scenario::duration_s, 0.01, 1e5, "of the run"},
-      {"frame_rate_hz", &Scenario::frame_rate_hz, 1.0, 1000.0, "of all cameras; they expose together"},
-      {"seed", &Scenario::seed, 0, 2147483647, "of noise, clutter and dropped frames"},
-  };
-  return table;
-}
-
 const RobotSpec* Scenario::find(const std::string& robot) const {
   const auto found =
       std::find_if(robots.begin(), robots.end(), [&](const RobotSpec& spec) { return spec.name == robot; });

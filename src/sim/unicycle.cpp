@@ -5,21 +5,6 @@
 
 namespace pilotfish::sim {
 
-const std::vector<Parameter<DriveConfig>>& DriveConfig::parameters() {
-  static const std::vector<Parameter<DriveConfig>> table = {
-      {"max_linear_mps", &DriveConfig::max_linear_mps, 0.0, 20.0, "top speed, forwards and backwards"},
-      {"max_linear_acceleration_mps2", &DriveConfig::max_linear_acceleration_mps2, 1e-3, 1e3,
-       "greatest change of the set speed"},
-      {"max_angular_radps", &DriveConfig::max_angular_radps, 0.0, 50.0, "top turn rate, either way"},
-      {"max_angular_acceleration_radps2", &DriveConfig::max_angular_acceleration_radps2, 1e-3, 1e4,
-       "greatest change of the set turn rate"},
-      {"actuator_lag_s", &DriveConfig::actuator_lag_s, 0.0, 5.0, "time constant of the wheels; 0: none"},
-      {"command_timeout_s", &DriveConfig::command_timeout_s, 0.0, 60.0,
-       "a command that is not renewed for so long is taken as zero; 0: never"},
-  };
-  return table;
-}
-
 Unicycle::Unicycle(const DriveConfig& drive, const Pose2& start) : drive_(drive) { state_.pose = start; }
 
 void Unicycle::advance(const Twist& command, double duration_s) {

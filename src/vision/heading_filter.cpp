@@ -17,17 +17,6 @@ constexpr double kEvidenceWeight = 0.5;
 
 }  // namespace
 
-const std::vector<Parameter<HeadingFilterConfig>>& HeadingFilterConfig::parameters() {
-  using C = HeadingFilterConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"acceleration_radps2", &C::acceleration_radps2, 0.01, 100.0,
-       "standard deviation of the angular acceleration of the leader relative to the coordinator"},
-      {"memory_s", &C::memory_s, 0.05, 60.0,
-       "time after which evidence for one of the two solutions of a flat tag has faded to 1/e"},
-  };
-  return table;
-}
-
 void HeadingFilter::predict(double dt_s) noexcept {
   Eigen::Matrix2d F;
   F << 1.0, dt_s, 0.0, 1.0;

@@ -48,14 +48,6 @@ Observation observation_of(std::int64_t utime, FoundBy found_by, const TagMeasur
 
 }  // namespace
 
-const std::vector<Parameter<LeaderObserverConfig>>& LeaderObserverConfig::parameters() {
-  static const std::vector<Parameter<LeaderObserverConfig>> table = {
-      {"acquisition_range_m", &LeaderObserverConfig::acquisition_range_m, 0.1, 100.0,
-       "a leader that nobody follows yet is looked for up to this distance; farther needs a finer, slower search"},
-  };
-  return table;
-}
-
 LeaderObserver::LeaderObserver(const CameraModel& camera, const CameraMounting& mounting, const LeaderBody& body,
                                const LeaderObserverConfig& config)
     : tracker_(camera, body, config.detector, config.gates),

@@ -73,21 +73,6 @@ bool are_the_same(const PoseSolution& a, const PoseSolution& b) {
 
 }  // namespace
 
-const std::vector<Parameter<LeaderPoseConfig>>& LeaderPoseConfig::parameters() {
-  static const std::vector<Parameter<LeaderPoseConfig>> table = {
-      {"max_reprojection_error_px", &LeaderPoseConfig::max_reprojection_error_px, 0.01, 100.0,
-       "RMS distance between seen and projected corners above which a pose is refused"},
-      {"corner_sigma_px", &LeaderPoseConfig::corner_sigma_px, 0.0, 10.0,
-       "standard deviation of each corner coordinate that is added to its measured noise: what the calibration and the "
-       "printer get wrong"},
-      {"min_distance_m", &LeaderPoseConfig::min_distance_m, 0.01, 1000.0,
-       "camera to tag; a tag that looks so large that it is nearer is refused"},
-      {"max_distance_m", &LeaderPoseConfig::max_distance_m, 0.1, 1000.0,
-       "camera to tag; a tag that looks so small that it is farther away is refused"},
-  };
-  return table;
-}
-
 std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const LeaderBody& body,
                                                const TagMeasurements& tags, const LeaderPoseConfig& config,
                                                const std::optional<Eigen::Isometry3d>& guess) noexcept {

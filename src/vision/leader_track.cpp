@@ -15,19 +15,6 @@ constexpr double kMaxTurn_rad = 0.5;  ///< a faster turn between two frames was 
 
 }  // namespace
 
-const std::vector<Parameter<LeaderTrackConfig>>& LeaderTrackConfig::parameters() {
-  using C = LeaderTrackConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"memory_s", &C::memory_s, 0.0, 5.0,
-       "for so long after the leader was last seen it is looked for where it should be now; then in the whole frame"},
-      {"max_relative_speed_mps", &C::max_relative_speed_mps, 0.1, 100.0,
-       "a leader that moved faster than that, relative to the coordinator, jumped and is refused"},
-      {"max_turn_rate_radps", &C::max_turn_rate_radps, 0.1, 100.0,
-       "the same for the sideways sweep when the coordinator turns"},
-  };
-  return table;
-}
-
 double LeaderTrack::seconds_since(std::int64_t utime) const noexcept {
   return seen_ ? seconds_between(utime_, utime) : 0.0;
 }

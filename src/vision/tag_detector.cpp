@@ -19,10 +19,6 @@ constexpr double kDecimations[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 /// Below so many pixels a cell, on the decimated picture, libapriltag misses quads (docs/vision.md).
 constexpr double kMinCell_px = 1.55;
 
-/// Its blur writes before the first pixel of a row once half its kernel, int(4 sigma) | 1 wide, exceeds the
-/// row. The shortest row is kMinFrameSide / 4 = 4 px, which bears 7 taps: sigma < 2.
-constexpr double kMaxBlurSigmaPx = 1.9;
-
 /// Bytes of the decoding table for `corrected_bits`: libapriltag stores every code with every pattern of up
 /// to that many flipped bits, 16 bytes each, in a hash table three times that size.
 double decoding_table_bytes(const TagFamily& family, int corrected_bits) {
@@ -61,20 +57,6 @@ bool is_finite(const TagDetection& tag) {
 }
 
 }  // namespace
-
-const std::vector<Parameter<TagDetectorConfig>>& TagDetectorConfig::parameters() {
-  static const std::vector<Parameter<TagDetectorConfig>> table = {
-      {"decimation", &TagDetectorConfig::decimation, 0.0, 4.0,
-       "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; 0: as acquisition_range_m allows"},
-      {"max_hamming", &TagDetectorConfig::max_hamming, 0, 2, "corrected bits that are still accepted"},
-      {"min_decision_margin", &TagDetectorConfig::min_decision_margin, 0.0, 255.0,
-       "mean contrast of a tag's bits, in gray levels, below which it is refused"},
-      {"blur_sigma_px", &TagDetectorConfig::blur_sigma_px, 0.0, kMaxBlurSigmaPx,
-       "Gaussian blur of the image in which quads are found, for very noisy cameras; below 0.5 it does "
-       "nothing"},
-  };
-  return table;
-}
 
 struct TagDetector::Library {
   Library(const std::string& family_name, const TagDetectorConfig& config)

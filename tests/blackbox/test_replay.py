@@ -9,7 +9,8 @@ import pytest
 from recorded_runs import CONFIG_PATH, LAWS, PERIOD_US, RecordedRun, drive_at_random, observation_at, wait_until
 from typer.testing import CliRunner
 
-from pilotfish import blackbox, bus, coordinator, core, wire
+from bench.common import wire
+from pilotfish import blackbox, bus, coordinator, core
 from pilotfish import data as shipped
 from pilotfish.black_box import events_in, replay
 from pilotfish.black_box.log import files_in

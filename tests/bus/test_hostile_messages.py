@@ -10,7 +10,8 @@ import pytest
 from edge import VALID, counter, valid_base, valid_command, valid_image, valid_setpoint, valid_status
 from PIL import Image
 
-from pilotfish import bus, core, wire
+from bench.common import wire
+from pilotfish import bus, core
 from pilotfish.core import MAX_BEARING_RAD
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import command_t, observation_t, setpoint_t, stage_t, status_t

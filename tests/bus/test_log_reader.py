@@ -4,7 +4,8 @@ import lcm
 import numpy as np
 import pytest
 
-from pilotfish import bus, core, wire
+from bench.common import wire
+from pilotfish import bus, core
 from pilotfish.lcmtypes.pilotfish import command_t
 
 SYNC = b"\xed\xa1\xda\x01"

@@ -9,7 +9,8 @@ from bus_link import Link
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pilotfish import bus, core, wire
+from bench.common import wire
+from pilotfish import bus, core
 from pilotfish.lcmtypes.bot_core import image_t, pose_t
 from pilotfish.lcmtypes.pilotfish import command_t, motion_t, observation_t, setpoint_t, status_t
 

@@ -14,8 +14,9 @@ from bus_link import PATIENCE_S, Link
 from datagrams import TWO_DATAGRAMS, Sender, in_fragments, short
 from edge import valid_command, valid_image, valid_setpoint
 
+from bench.common import wire
 from fuzzy.compiled import compile_program, pkg_config
-from pilotfish import bus, core, wire
+from pilotfish import bus, core
 
 NO_MAC = bytes(32)
 ROUTE = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo"

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pilotfish import control, core, fuzzy
+from pilotfish import ConfigError, control, core, fuzzy
 from pilotfish import data as shipped
 
 LAW = fuzzy.load_controller(str(shipped.path("fuzzy/coordination.yaml")))
@@ -119,6 +119,30 @@ def with_law(make, **parameters):
     for key, value in parameters.items():
         config.set_law_parameter("bang", key, value)
     return config
+
+
+@pytest.mark.parametrize(
+    ("name", "owner"),
+    [
+        ("fuzzy", "is the fuzzy law"),
+        ("pid", "comes with Pilotfish"),
+        ("limits", "is a section of the configuration's `control`"),
+    ],
+)
+def test_a_law_of_one_s_own_cannot_have_a_name_that_a_file_could_not_tell_from_another(name, owner):
+    with pytest.raises(ConfigError, match=f"law: '{name}' {owner}; a law of your own needs another name") as refused:
+        control.LawDescription(name=name, text="on or off", make=Bang)
+    assert refused.value.key == "law"
+
+
+def test_two_laws_of_one_name_are_refused_where_they_are_listed():
+    law = control.LawDescription(name="bang", text="on or off", make=Bang)
+    with pytest.raises(ConfigError, match="law: 'bang' is there twice"):
+        control.FollowerConfig(law=LAW, laws=[law, law])
+    config = control.FollowerConfig(law=LAW)
+    with pytest.raises(ConfigError, match="law: 'bang' is there twice"):
+        config.laws = [law, law]
+    assert [each.name for each in config.laws] == [each.name for each in control.built_in_laws()]
 
 
 def test_a_law_of_one_s_own_drives_with_its_parameters_and_is_told_to_restart():

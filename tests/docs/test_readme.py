@@ -68,7 +68,7 @@ CHECKS = {
     "lcm-logplayer run.log": "log",
     "pilotfish-coordinator --config data/config/line.yaml --source log:run.log --json": "log",
     "pilotfish learn-body turn.mp4 --camera camera.yaml --tag-size 0.16 --height-of 0=0.25 --output my_robot.yaml": (
-        "your own film"  # run on rendered films in tests/body_learning
+        "your own film"  # run on rendered films in tests/calibration
     ),
     "pilotfish fuzzy show data/fuzzy/coordination.yaml": "law",
     "pilotfish fuzzy explain data/fuzzy/coordination.yaml --e -0.2 --ec 0.1": "law",

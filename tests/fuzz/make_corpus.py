@@ -13,10 +13,12 @@ import struct
 import sys
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `bench` is
+
 import numpy as np
 from PIL import Image
 
-from pilotfish import wire
+from bench.common import wire
 from pilotfish.lcmtypes.bot_core import image_t, pose_t
 from pilotfish.lcmtypes.pilotfish import command_t, motion_t, setpoint_t
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from bench.fuzzy.noisy_following import at_steady_state_error, follow_noisily, mean_of_runs
 from pilotfish import control, fuzzy
-from pilotfish.noisy_following import at_steady_state_error, follow_noisily, mean_of_runs
 
 SEEDS = range(2)
 

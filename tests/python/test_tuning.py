@@ -44,7 +44,8 @@ def test_a_search_repeats_with_its_seed_improves_on_the_start_and_is_read_back(t
     first, second = (tuning.tune("pbvs", trials=6, seed=3) for _ in range(2))
     assert first == second
     assert first.cost <= first.cost_before
-    control = coordinator.load_tuning(first.write(tmp_path / "pbvs.yaml"), config().control)
+    file = first.write(tmp_path / "pbvs.yaml")
+    control = coordinator.apply_overrides(config().control, law="pbvs", tuning=file)
     for key, value in first.parameters.items():
         assert control.law_parameters("pbvs")[key.split(".")[1]] == pytest.approx(value, rel=1e-5)
 
@@ -52,14 +53,23 @@ def test_a_search_repeats_with_its_seed_improves_on_the_start_and_is_read_back(t
 @pytest.mark.parametrize("name", BASELINES)
 def test_the_shipped_tunings_are_read_and_were_all_searched_alike(name):
     file = shipped.path(f"tuned/{name}.yaml")
-    coordinator.load_tuning(file, config().control)
+    coordinator.apply_overrides(config().control, law=name, tuning=file)
     assert file.read_text().startswith(f"# Made by: pilotfish tune {name} --trials 250 --seed 1\n")
+
+
+def test_a_tuning_says_where_it_comes_from_and_its_numbers_with_six_digits(tmp_path):
+    found = tuning.Tuned(tuning.Driving("pid"), {"pid.bearing_kp": 1 / 3, "limits.max_linear_mps": 2.0}, 1.5, 2.5, 7, 3)
+    assert found.write(tmp_path / "new" / "pid.yaml").read_text() == (
+        "# Made by: pilotfish tune pid --trials 7 --seed 3\n"
+        "# Cost 1.500, before 2.500 (see pilotfish.tuning).\n"
+        "limits:\n  max_linear_mps: 2.0\npid:\n  bearing_kp: 0.333333\n"
+    )
 
 
 def test_a_tuning_of_something_else_is_refused_by_its_key(tmp_path):
     (tmp_path / "odd.yaml").write_text("pid: {distance_kp: 1.0}\nwings: {span_m: 2.0}\n")
     with pytest.raises(ValueError, match="wings"):
-        coordinator.load_tuning(tmp_path / "odd.yaml", config().control)
+        coordinator.apply_overrides(config().control, law="pid", tuning=tmp_path / "odd.yaml")
 
 
 def test_without_the_search_s_package_it_ends_with_69_and_says_what_to_install(monkeypatch):

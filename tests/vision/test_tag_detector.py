@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pinhole_drawing import FAMILIES, Photography, corners_px, draw, leader_pose, pose, rotation
 
-from pilotfish.core import BodyTag, CameraModel, Reason
+from pilotfish.core import BodyTag, CameraModel
 from pilotfish.vision import TagDetector, TagDetectorConfig, TagFamily
 
 CAMERA = CameraModel(width=320, height=240, fx=600, fy=600, cx=159.5, cy=119.5)
@@ -92,43 +92,6 @@ def test_the_pixels_are_only_read(decimation, blur_sigma_px):
     config = TagDetectorConfig(decimation=decimation, blur_sigma_px=blur_sigma_px)
     assert len(TagDetector(config=config).detect(picture).tags) == 1
     assert np.array_equal(picture, before)
-
-
-def test_a_padded_picture_is_read_as_the_unpadded_one():
-    picture = flat_picture()
-    height, width = picture.shape
-    rng = np.random.default_rng(0)
-    padded = rng.integers(0, 256, (height, width + 37), dtype=np.uint8)
-    padded[:, :width] = picture
-    data = padded.tobytes()[: (height - 1) * (width + 37) + width]  # the last row need not be padded
-    direct = TagDetector().detect(picture).tags
-    strided = TagDetector().detect_unchecked(data, width=width, height=height, stride_bytes=width + 37).tags
-    assert len(direct) == len(strided) == 1
-    assert np.array_equal(direct[0].corners_px, strided[0].corners_px)
-
-
-@pytest.mark.parametrize(
-    ("size_bytes", "width", "height", "stride_bytes", "reason"),
-    [
-        (0, 0, 0, 0, Reason.frame_too_small),
-        (1, 1, 1, 1, Reason.frame_too_small),
-        (640, 640, 1, 640, Reason.frame_too_small),
-        (640, 1, 640, 1, Reason.frame_too_small),
-        (100, -640, 480, 640, Reason.frame_too_small),
-        (40000 * 16, 40000, 16, 40000, Reason.frame_too_large),
-        (40000 * 16, 16, 40000, 16, Reason.frame_too_large),
-        (640 * 480, 640, 480, 639, Reason.frame_stride_invalid),
-        (640 * 480, 640, 480, -640, Reason.frame_stride_invalid),
-        (640 * 480 - 1, 640, 480, 640, Reason.frame_truncated),
-        (640 * 480, 640, 480, 641, Reason.frame_truncated),
-        (0, 640, 480, 640, Reason.frame_truncated),
-        (1000, 16384, 16384, 2**31 - 1, Reason.frame_truncated),
-    ],
-)
-def test_a_picture_that_cannot_be_read_is_refused_with_its_reason(size_bytes, width, height, stride_bytes, reason):
-    data = bytes(size_bytes)
-    found = TagDetector().detect_unchecked(data, width=width, height=height, stride_bytes=stride_bytes)
-    assert (found.input, found.tags) == (reason, [])
 
 
 def test_noise_of_every_allowed_small_size_is_survived():

@@ -24,20 +24,23 @@ inline constexpr int kBauds[] = {9600,   19200,  38400,  57600,   115200,  23040
 
 /// The line to the motor controller.
 struct SerialConfig {
-  int baud = 115200;
-  double timeout_s = 0.25;
-  static const std::vector<Parameter<SerialConfig>>& parameters();
+  PILOTFISH_PARAMETERS(SerialConfig);
+  PILOTFISH_PARAMETER(int, baud, 115200, 9600, 4'000'000, "of the serial line; one of the usual numbers");
+  PILOTFISH_PARAMETER(double, timeout_s, 0.25, 0.05, 5.0,
+                      "a controller that has echoed no line sent within this time cannot be reached: fault, zeros");
 };
 
 /// The wheels' process.
 struct BaseConfig {
-  double rate_hz = 50.0;
-  bool start_stopped = false;
+  PILOTFISH_PARAMETERS(BaseConfig);
+  PILOTFISH_PARAMETER(double, rate_hz, 50.0, 20.0, 200.0,
+                      "lines to the wheels and messages on NAME_BASE per second; more go out when something changes");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, start_stopped, false,
+                                    "begin with a latched stop: nothing moves until it is resumed");
   DriveGeometry wheels;         ///< the base's geometry
   WheelLimitsConfig limits;     ///< what the wheels are allowed
   CommandGuardConfig commands;  ///< whom to obey, and how long
   SerialConfig serial;          ///< the line to the motor controller
-  static const std::vector<Parameter<BaseConfig>>& parameters();
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp

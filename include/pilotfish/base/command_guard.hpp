@@ -42,9 +42,12 @@ std::string_view to_string(CommandVerdict verdict) noexcept;
 
 /// How long a command, and a silent sender, count.
 struct CommandGuardConfig {
-  double max_command_age_s = 0.095;
-  double takeover_s = 0.5;
-  static const std::vector<Parameter<CommandGuardConfig>>& parameters();
+  PILOTFISH_PARAMETERS(CommandGuardConfig);
+  PILOTFISH_PARAMETER(
+      double, max_command_age_s, 0.095, 0.02, 0.1,
+      "a command is good for this long after its arrival, then zeros; 5 ms below the limit leave time for the line");
+  PILOTFISH_PARAMETER(double, takeover_s, 0.5, 0.2, 60.0,
+                      "a sender that is silent for longer has ended, and another one may be obeyed");
 };
 
 /// Whom the wheels obey: one sender, commands it has just sent, each once.

@@ -14,10 +14,12 @@ namespace pilotfish::base {
 
 /// Two driven wheels on one axle.
 struct DriveGeometry {
-  double wheel_radius_m = 0.05;
-  double track_width_m = 0.30;
-  int ticks_per_revolution = 2048;
-  static const std::vector<Parameter<DriveGeometry>>& parameters();
+  PILOTFISH_PARAMETERS(DriveGeometry);
+  PILOTFISH_PARAMETER(double, wheel_radius_m, 0.05, 0.005, 1.0, "of both driven wheels, as they roll under load");
+  PILOTFISH_PARAMETER(double, track_width_m, 0.30, 0.02, 5.0,
+                      "between the points where the two wheels touch the ground");
+  PILOTFISH_PARAMETER(int, ticks_per_revolution, 2048, 1, 1'000'000,
+                      "of a wheel (not of its motor), as the controller counts them: all edges, behind the gear");
 };
 
 /// Turn rates of the two wheels; positive: forwards.

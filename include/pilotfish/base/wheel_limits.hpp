@@ -13,14 +13,16 @@ namespace pilotfish::base {
 /// What the wheels are allowed, whoever asks. Meant a little wider than the coordinator's own limits, so that the
 /// two agree and these act only when something is wrong.
 struct WheelLimitsConfig {
-  double max_linear_mps = 0.7;
-  double max_reverse_mps = 0.7;
-  double max_linear_acceleration_mps2 = 1.5;
-  double brake_mps2 = 3.0;
-  double max_angular_radps = 2.5;
-  double max_angular_acceleration_radps2 = 20.0;
-  double max_wheel_radps = 40.0;
-  static const std::vector<Parameter<WheelLimitsConfig>>& parameters();
+  PILOTFISH_PARAMETERS(WheelLimitsConfig);
+  PILOTFISH_PARAMETER(double, max_linear_mps, 0.7, 0.01, 5.0, "forward speed");
+  PILOTFISH_PARAMETER(double, max_reverse_mps, 0.7, 0.0, 5.0, "speed allowed backwards; 0 forbids reversing");
+  PILOTFISH_PARAMETER(double, max_linear_acceleration_mps2, 1.5, 0.01, 20.0, "speeding up");
+  PILOTFISH_PARAMETER(double, brake_mps2, 3.0, 0.01, 100.0,
+                      "slowing down to a speed that is not zero; zero itself is passed on at once");
+  PILOTFISH_PARAMETER(double, max_angular_radps, 2.5, 0.01, 20.0, "turn rate");
+  PILOTFISH_PARAMETER(double, max_angular_acceleration_radps2, 20.0, 0.01, 200.0, "change of turn rate");
+  PILOTFISH_PARAMETER(double, max_wheel_radps, 40.0, 0.1, 1000.0,
+                      "of each wheel; where one would be faster, both are slowed down alike");
 };
 
 /// `wanted`, as near as the limits allow, a time dt_s after `told`. Never NaN: what is not finite is a zero. An exact

@@ -9,6 +9,7 @@
 #include "pilotfish/coordinator/coordinator.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/fuzzy/rule_base.hpp"
 
 PILOTFISH_API_BEGIN
@@ -48,11 +49,14 @@ std::string leader_intent_from(const std::string& name);
 
 /// The ring of files in which everything is kept that a replay needs; see blackbox/black_box.hpp.
 struct BlackBoxConfig {
-  std::string directory;         ///< empty: no black box
-  int total_mb = 1000;           ///< of all files of this robot; beyond, the oldest are deleted
-  int segment_mb = 50;           ///< of one file
-  double picture_rate_hz = 2.0;  ///< so often a picture that came raw is kept as a JPEG; JPEG images all are
-  static const std::vector<Parameter<BlackBoxConfig>>& parameters();
+  PILOTFISH_PARAMETERS(BlackBoxConfig);
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, directory, {},
+                                    "folder for the recording, made if there is none; empty: nothing is recorded");
+  PILOTFISH_PARAMETER(int, total_mb, 1000, 2, 1'000'000,
+                      "size of all files of this robot; beyond, the oldest are deleted");
+  PILOTFISH_PARAMETER(int, segment_mb, 50, 1, 1000, "size of one file");
+  PILOTFISH_PARAMETER(double, picture_rate_hz, 2.0, 0.0, 1000.0,
+                      "so often a picture that came raw is kept as a JPEG; images that came as JPEG are all kept");
 };
 
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.

@@ -2,7 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <array>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -111,7 +110,7 @@ class YamlSection {
  private:
   static bool is_angle(const std::string& key);
   static std::string degrees_key(const std::string& key);  ///< "x_rad" -> "x_deg"; empty if not an angle
-  std::array<double, 3> vector3(const std::string& key, double min, double max);
+  Vector3 vector3(const std::string& key, double min, double max);
   YAML::Node require(const std::string& key);
   std::string dotted(const std::string& key) const;
 

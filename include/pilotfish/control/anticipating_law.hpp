@@ -4,6 +4,7 @@
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/twist.hpp"
 
@@ -13,16 +14,26 @@ namespace pilotfish::control {
 /// The paper's law around a feed-forward of the leader's motion. It acts on a predicted error, without the delay of the
 /// camera and the wheels, and can therefore be steeper than the law as published: hence scales of its own.
 struct AnticipateConfig {
-  double error_scale_m = 0.28;
-  double error_change_scale_m = 0.1;
-  double velocity_scale_mps = 0.6;
-  double heading_gain_per_s = 6.0;
-  double half_weight_sigma_mps = 0.1;  ///< standard deviation of the leader's velocity at which it counts half
-  double minimum_distance_m = 0.4;     ///< d_min: never so fast that it could not stop before
-  double safety_sigmas = 3.0;          ///< k: the distance counts as shorter by so many standard deviations
-  double guard_time_s = 0.5;           ///< in which the leader would leave the picture; see keep_in_view
-  double ease_time_s = 0.1;            ///< with which the top speed is approached; see eased_speed
-  static const std::vector<Parameter<AnticipateConfig>>& parameters();
+  PILOTFISH_PARAMETERS(AnticipateConfig);
+  PILOTFISH_PARAMETER(double, error_scale_m, 0.28, 0.01, 20.0,
+                      "predicted distance error that is 1 on the universe of e");
+  PILOTFISH_PARAMETER(double, error_change_scale_m, 0.1, 1e-4, 5.0,
+                      "predicted change of the error per control period that is 1 on the universe of ec");
+  PILOTFISH_PARAMETER(double, velocity_scale_mps, 0.6, 0.01, 5.0,
+                      "speed relative to the leader commanded at 1 on the universe of u");
+  PILOTFISH_PARAMETER(double, heading_gain_per_s, 6.0, 0.0, 20.0, "turn rate per radian of predicted bearing error");
+  PILOTFISH_PARAMETER(double, half_weight_sigma_mps, 0.1, 1e-3, 10.0,
+                      "standard deviation of the leader's velocity at which it counts half");
+  PILOTFISH_PARAMETER(double, minimum_distance_m, 0.4, 0.0, 20.0,
+                      "d_min: never so fast that the robot could not stop before, should the leader stop dead");
+  PILOTFISH_PARAMETER(double, safety_sigmas, 3.0, 0.0, 10.0,
+                      "the distance counts as shorter by so many standard deviations when that is judged");
+  /// See keep_in_view().
+  PILOTFISH_PARAMETER(double, guard_time_s, 0.5, 0.05, 5.0,
+                      "the leader may not approach the picture's edge faster than this");
+  /// See eased_speed().
+  PILOTFISH_PARAMETER(double, ease_time_s, 0.1, 0.0, 2.0,
+                      "time constant with which the top speed is approached; 0: with a jolt");
 };
 
 /// Bearings at which the leader is in the picture; from the camera and its mounting.

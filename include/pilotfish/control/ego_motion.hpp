@@ -7,6 +7,7 @@
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 
 PILOTFISH_API_BEGIN
@@ -14,10 +15,13 @@ namespace pilotfish::control {
 
 /// How late the wheels do what they are told.
 struct DriveModelConfig {
-  double latency_s = 1.0 / 30.0;   ///< from the exposure of a picture to the moment the command that answers it acts
-  double actuator_lag_s = 0.1;     ///< time constant of the wheels' speed control
-  double odometry_filter_s = 0.1;  ///< time constant with which odometry corrects the model; 0: at once
-  static const std::vector<Parameter<DriveModelConfig>>& parameters();
+  PILOTFISH_PARAMETERS(DriveModelConfig);
+  PILOTFISH_PARAMETER(double, latency_s, 1.0 / 30.0, 0.0, 0.25,
+                      "from the exposure to the moment the command that answers it acts");
+  PILOTFISH_PARAMETER(double, actuator_lag_s, 0.1, 0.0, 1.0, "time constant of the wheels' speed control; 0: none");
+  PILOTFISH_PARAMETER(
+      double, odometry_filter_s, 0.1, 0.0, 1.0,
+      "time constant with which odometry, where there is one, corrects the model of the drive; 0: at once");
 };
 
 /// Where the own motion is taken from.

@@ -61,6 +61,13 @@ struct FollowerConfig {
   }
 };
 
+/// Throws ConfigError, key `law`, if a law of one's own cannot have this name: the fuzzy law, one that comes with
+/// Pilotfish or a section of the configuration's `control` (`limits`) has it already.
+void check_own_law_name(std::string_view name);
+/// Adds a law of one's own to `laws`. Throws ConfigError, key `law`, if its name is taken.
+void add_law(FollowerConfig& config, LawDescription law);
+/// Throws ConfigError, key `law`, unless every one of `laws` has a name to itself; a Follower does so, too.
+void check_law_names(const FollowerConfig& config);
 /// What may drive: the fuzzy law, and config.laws.
 std::vector<std::string> law_names(const FollowerConfig& config);
 /// Throws ConfigError, key `law`, listing them.

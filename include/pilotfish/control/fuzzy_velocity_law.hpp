@@ -11,12 +11,16 @@ namespace pilotfish::control {
 
 /// Physical meaning of the normalised universes [-1, 1].
 struct FuzzyVelocityConfig {
-  double error_scale_m = 0.8;            ///< distance error at which e saturates
-  double error_change_scale_m = 0.02;    ///< change of the error per control period at which ec saturates
-  double velocity_scale_mps = 0.6;       ///< speed commanded at u = 1
-  double control_period_s = 1.0 / 30.0;  ///< T of the law
-  double input_sigmas = 0.0;             ///< width of the fuzzified inputs A', B' of eq. (6), in their own sigmas
-  static const std::vector<Parameter<FuzzyVelocityConfig>>& parameters();
+  PILOTFISH_PARAMETERS(FuzzyVelocityConfig);
+  PILOTFISH_PARAMETER(double, error_scale_m, 0.8, 0.01, 20.0, "distance error that is 1 on the universe of e");
+  PILOTFISH_PARAMETER(double, error_change_scale_m, 0.02, 1e-4, 5.0,
+                      "change of the error per control period that is 1 on the universe of ec");
+  PILOTFISH_PARAMETER(double, velocity_scale_mps, 0.6, 0.01, 5.0, "speed commanded at 1 on the universe of u");
+  PILOTFISH_PARAMETER(double, control_period_s, 1.0 / 30.0, 1e-3, 1.0, "T of the law, to which ec is referred");
+  /// Of the fuzzified inputs A', B' of eq. (6).
+  PILOTFISH_PARAMETER(
+      double, input_sigmas, 0.0, 0.0, 5.0,
+      "width of the inputs, in standard deviations of the measured distance; 0: singletons, as they are");
 };
 
 /// One evaluation with all it went through, for the status message and for people.

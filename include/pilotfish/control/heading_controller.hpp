@@ -8,8 +8,8 @@ namespace pilotfish::control {
 
 /// The proportional heading controller.
 struct HeadingControllerConfig {
-  double gain_per_s = 2.0;  ///< turn rate per radian of bearing error
-  static const std::vector<Parameter<HeadingControllerConfig>>& parameters();
+  PILOTFISH_PARAMETERS(HeadingControllerConfig);
+  PILOTFISH_PARAMETER(double, gain_per_s, 2.0, 0.0, 20.0, "turn rate per radian of bearing error");
 };
 
 /// Turn rate [rad/s] that lets theta approach theta_pd. Turning left by w moves a fixed point to the right in the base

@@ -72,7 +72,7 @@ LawDescription describe_law(std::string name, std::string text) {
 }
 
 /// The laws that come with Pilotfish, beside the fuzzy one: a new one is its own file and a line in laws.cpp. A
-/// program's own law goes into FollowerConfig::laws.
+/// program's own law goes into FollowerConfig::laws by add_law().
 std::vector<LawDescription> built_in_laws();
 
 }  // namespace pilotfish::control

@@ -8,6 +8,7 @@
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/twist.hpp"
 
 PILOTFISH_API_BEGIN
@@ -15,13 +16,14 @@ namespace pilotfish::control {
 
 /// How much a leader's own word counts.
 struct LeaderIntentConfig {
-  double linear_tolerance_mps = 0.03;     ///< an announced speed so near to the seen one says the same
-  double angular_tolerance_radps = 0.15;  ///< and turn rate
-  double max_age_s = 0.1;                 ///< older than the picture by more than this it says nothing
-  double confirmed_within_s = 0.15;       ///< what is announced must be seen after so long
-  double probation_s = 0.5;               ///< so long vision and leader_intent must agree before it counts
-  double suspended_s = 5.0;               ///< so long it does not count after one disagreement
-  static const std::vector<Parameter<LeaderIntentConfig>>& parameters();
+  PILOTFISH_PARAMETERS(LeaderIntentConfig);
+  PILOTFISH_PARAMETER(double, linear_tolerance_mps, 0.03, 0.001, 1.0,
+                      "an announced speed so near to the seen one says the same");
+  PILOTFISH_PARAMETER(double, angular_tolerance_radps, 0.15, 0.001, 5.0, "the same, of the turn rate");
+  PILOTFISH_PARAMETER(double, max_age_s, 0.1, 0.0, 0.1, "older than the picture by more than this it says nothing");
+  PILOTFISH_PARAMETER(double, confirmed_within_s, 0.15, 0.1, 0.5, "what is announced must be seen after so long");
+  PILOTFISH_PARAMETER(double, probation_s, 0.5, 0.1, 60.0, "so long it must have agreed with vision before it counts");
+  PILOTFISH_PARAMETER(double, suspended_s, 5.0, 1.0, 3600.0, "so long it does not count after one disagreement");
 };
 
 enum class LeaderIntentUse {

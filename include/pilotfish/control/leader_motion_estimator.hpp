@@ -6,6 +6,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/planar_motion.hpp"
 
 PILOTFISH_API_BEGIN
@@ -14,17 +15,18 @@ namespace pilotfish::control {
 /// How leaders move. Each of the three is a random walk of the velocity and of the turn rate: in a time t they change
 /// by about sigma * sqrt(t).
 struct LeaderMotionConfig {
-  double quiescent_velocity_sigma = 0.0008;  ///< [m/s per sqrt(s)]
-  double quiescent_turn_sigma = 0.05;        ///< [rad/s per sqrt(s)]
-  double manoeuvre_velocity_sigma = 0.05;
-  double manoeuvre_turn_sigma = 1.0;
-  double abrupt_velocity_sigma = 1.5;  ///< stops dead, or starts, within one frame
-  double abrupt_turn_sigma = 3.0;
-  double change_rate_per_s = 0.2;      ///< how often a leader passes from one way of moving to another
-  double own_position_sigma = 0.0002;  ///< error of the own dead reckoning [m per sqrt(s)]
-  double gate_sigma = 6.0;             ///< a measurement farther than this from all three is an outlier
-  int max_outliers = 3;                ///< so many in a row are no outliers: the estimate begins anew
-  static const std::vector<Parameter<LeaderMotionConfig>>& parameters();
+  PILOTFISH_PARAMETERS(LeaderMotionConfig);
+  PILOTFISH_PARAMETER(double, quiescent_velocity_sigma, 0.0008, 1e-5, 10.0,
+                      "quiescent mode: change of the leader's velocity [m/s per sqrt(s)]");
+  PILOTFISH_PARAMETER(double, quiescent_turn_sigma, 0.05, 1e-5, 100.0, "change of its turn rate [rad/s per sqrt(s)]");
+  PILOTFISH_PARAMETER(double, manoeuvre_velocity_sigma, 0.05, 1e-5, 10.0, "manoeuvre mode: the same");
+  PILOTFISH_PARAMETER(double, manoeuvre_turn_sigma, 1.0, 1e-5, 100.0, "manoeuvre mode: the same");
+  PILOTFISH_PARAMETER(double, abrupt_velocity_sigma, 1.5, 1e-5, 10.0, "abrupt mode (stops dead, starts): the same");
+  PILOTFISH_PARAMETER(double, abrupt_turn_sigma, 3.0, 1e-5, 100.0, "abrupt mode (stops dead, starts): the same");
+  PILOTFISH_PARAMETER(double, change_rate_per_s, 0.2, 1e-4, 30.0, "how often a leader passes from one to another");
+  PILOTFISH_PARAMETER(double, own_position_sigma, 0.0002, 0.0, 1.0, "error of the own dead reckoning [m per sqrt(s)]");
+  PILOTFISH_PARAMETER(double, gate_sigma, 6.0, 3.0, 100.0, "a measurement farther off than this is an outlier");
+  PILOTFISH_PARAMETER(int, max_outliers, 3, 1, 30, "so many in a row are none: the estimate begins anew");
 };
 
 using LeaderVector = Eigen::Matrix<double, 6, 1>;

@@ -15,10 +15,11 @@ namespace pilotfish::control {
 /// ViSP's adaptive gain, lambda(x) = (zero - infinity) exp(-slope x / (zero - infinity)) + infinity, of the norm x of
 /// the error. The defaults are those of ViSP's tutorial.
 struct PbvsConfig {
-  double gain_at_zero = 2.5;      ///< [1/s]
-  double gain_at_infinity = 0.4;  ///< [1/s]
-  double slope_at_zero = 30.0;    ///< [1/(m s)]
-  static const std::vector<Parameter<PbvsConfig>>& parameters();
+  PILOTFISH_PARAMETERS(PbvsConfig);
+  PILOTFISH_PARAMETER(double, gain_at_zero, 2.5, 0.01, 50.0, "gain where the error is zero [1/s]");
+  PILOTFISH_PARAMETER(double, gain_at_infinity, 0.4, 0.01, 50.0, "gain where it is great [1/s]");
+  PILOTFISH_PARAMETER(double, slope_at_zero, 30.0, 0.0, 1000.0,
+                      "how fast the gain falls from the one to the other [1/(m s)]");
 };
 
 /// A baseline for the fuzzy law: ViSP's position-based visual servo of a unicycle on the coordinates X and Z of a 3D

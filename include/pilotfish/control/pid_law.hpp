@@ -6,6 +6,7 @@
 #include "pilotfish/control/law.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/setpoint.hpp"
 
 PILOTFISH_API_BEGIN
@@ -13,14 +14,14 @@ namespace pilotfish::control {
 
 /// Gains of two independent PID controllers. The speeds they ask for are limited like those of every law.
 struct PidConfig {
-  double distance_kp = 1.5;          ///< [1/s]
-  double distance_ki = 0.6;          ///< [1/s^2]
-  double distance_kd = 0.2;          ///< [1]
-  double bearing_kp = 2.5;           ///< [1/s]
-  double bearing_ki = 1.0;           ///< [1/s^2]
-  double bearing_kd = 0.1;           ///< [1]
-  double derivative_filter_s = 0.1;  ///< time constant of the low-pass on the derivatives
-  static const std::vector<Parameter<PidConfig>>& parameters();
+  PILOTFISH_PARAMETERS(PidConfig);
+  PILOTFISH_PARAMETER(double, distance_kp, 1.5, 0.0, 50.0, "speed per metre of distance error [1/s]");
+  PILOTFISH_PARAMETER(double, distance_ki, 0.6, 0.0, 50.0, "its integral [1/s2]");
+  PILOTFISH_PARAMETER(double, distance_kd, 0.2, 0.0, 50.0, "its derivative");
+  PILOTFISH_PARAMETER(double, bearing_kp, 2.5, 0.0, 50.0, "turn rate per radian of bearing error [1/s]");
+  PILOTFISH_PARAMETER(double, bearing_ki, 1.0, 0.0, 50.0, "its integral [1/s2]");
+  PILOTFISH_PARAMETER(double, bearing_kd, 0.1, 0.0, 50.0, "its derivative");
+  PILOTFISH_PARAMETER(double, derivative_filter_s, 0.1, 0.0, 5.0, "time constant of the low-pass on the derivatives");
 };
 
 /// A baseline for the fuzzy law: PID on the distance and on the bearing, with a filtered derivative of the measurement

@@ -12,6 +12,7 @@
 #include "pilotfish/core/checkpoint.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/monotonic.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
@@ -21,10 +22,17 @@ namespace pilotfish {
 
 /// What must never happen, in numbers.
 struct SafetyConfig {
-  double max_age_s = 0.1;         ///< a measurement older than this moves nothing: then v = w = 0
-  double stop_distance_m = 0.4;   ///< no setpoint below this is taken: there the two robots would touch
-  bool noiseless_camera = false;  ///< frames are synthetic: the same pixels twice are no sign of a frozen camera
-  static const std::vector<Parameter<SafetyConfig>>& parameters();
+  PILOTFISH_PARAMETERS(SafetyConfig);
+  PILOTFISH_PARAMETER(
+      double, max_age_s, 0.1, 0.0, 0.25,
+      "a measurement older than this moves nothing; above 0.1 only if max_age_s x the top speed stays within 0.06 m");
+  /// There the two robots would touch.
+  PILOTFISH_PARAMETER(
+      double, stop_distance_m, 0.4, 0.0, 20.0,
+      "no setpoint below this is taken: between turning centres, the halves of both robots and a margin");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(
+      bool, noiseless_camera, false,
+      "true: pictures are synthetic, so that the same pixels again and again do not mean a frozen camera");
 };
 
 /// What the age limit bounds is blind travel: max_age_s times the top speed. Above 100 ms it is allowed only as far as

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pilotfish/api.hpp"
+#include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/parameter.hpp"
 
 PILOTFISH_API_BEGIN
@@ -43,11 +44,11 @@ Eigen::Vector2d normalize_pixel(const CameraModel& camera, const Eigen::Vector2d
 
 /// Where the camera sits on the robot. With all angles zero it looks along the base's x axis.
 struct CameraMounting {
-  std::array<double, 3> position_m{0.0, 0.0, 0.0};  ///< of the optical centre, in the base frame
-  double pan_rad = 0.0;                             ///< positive: looks to the left
-  double tilt_rad = 0.0;                            ///< positive: looks up
-  double roll_rad = 0.0;                            ///< positive: the camera is turned clockwise, seen from behind it
-  static const std::vector<Parameter<CameraMounting>>& parameters();
+  PILOTFISH_PARAMETERS(CameraMounting);
+  PILOTFISH_PARAMETER(Vector3, position_m, {}, -5.0, 5.0, "optical centre in the base frame: forward, left, up");
+  PILOTFISH_PARAMETER(double, pan_rad, 0.0, -kPi, kPi, "positive: the camera looks to the left");
+  PILOTFISH_PARAMETER(double, tilt_rad, 0.0, -kPi / 2, kPi / 2, "positive: the camera looks up");
+  PILOTFISH_PARAMETER(double, roll_rad, 0.0, -kPi, kPi, "positive: turned clockwise, seen from behind the camera");
 };
 
 /// bMc: camera frame (x right, y down, z forward) to base frame (x forward, y left, z up).

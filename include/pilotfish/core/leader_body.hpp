@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pilotfish/api.hpp"
+#include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/parameter.hpp"
 
 PILOTFISH_API_BEGIN
@@ -15,13 +16,15 @@ namespace pilotfish {
 /// One tag on a robot. Its own frame: origin in the centre of the black square, x right and y down as one reads it, z
 /// into the wall it hangs on (so that a tag seen head-on has the camera's axes).
 struct BodyTag {
-  int id = 0;
-  double size_m = 0.16;                             ///< side of the black square (AprilTag's definition)
-  std::array<double, 3> position_m{0.0, 0.0, 0.0};  ///< of its centre, in the leader's base frame
-  double facing_rad = 3.14159265358979323846;  ///< direction it looks, about z: 0 forward, +pi/2 left, pi to the rear
-  double tilt_rad = 0.0;                       ///< positive: it looks up
-  double roll_rad = 0.0;                       ///< turned clockwise, as one reads it
-  static const std::vector<Parameter<BodyTag>>& parameters();
+  PILOTFISH_PARAMETERS(BodyTag);
+  PILOTFISH_PARAMETER(int, id, 0, 0, 65535, "number of the tag in its family");
+  /// AprilTag's definition.
+  PILOTFISH_PARAMETER(double, size_m, 0.16, 0.005, 5.0, "side of the black square");
+  PILOTFISH_PARAMETER(Vector3, position_m, {}, -10.0, 10.0, "centre in the leader's base frame: forward, left, up");
+  PILOTFISH_PARAMETER(double, facing_rad, kPi, -2 * kPi, 2 * kPi,
+                      "direction it looks: 0 forward, 90 deg left, 180 deg rear");
+  PILOTFISH_PARAMETER(double, tilt_rad, 0.0, -kPi / 2, kPi / 2, "positive: it looks up");
+  PILOTFISH_PARAMETER(double, roll_rad, 0.0, -kPi, kPi, "turned clockwise, as one reads it");
 };
 
 /// oMt: tag frame to the frame o of the leader's base.

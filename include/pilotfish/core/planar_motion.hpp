@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "pilotfish/api.hpp"
+#include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/twist.hpp"
 
@@ -11,10 +12,11 @@ namespace pilotfish {
 
 /// A pose on the ground.
 struct Pose2 {
-  double x_m = 0.0;          ///< [m], in the world frame
-  double y_m = 0.0;          ///< [m], in the world frame
-  double heading_rad = 0.0;  ///< about the vertical, 0 along the x axis; in (-pi, pi]
-  static const std::vector<Parameter<Pose2>>& parameters();
+  PILOTFISH_PARAMETERS(Pose2);
+  PILOTFISH_PARAMETER(double, x_m, 0.0, -1e4, 1e4, "in the world frame");
+  PILOTFISH_PARAMETER(double, y_m, 0.0, -1e4, 1e4, "in the world frame");
+  /// In (-pi, pi].
+  PILOTFISH_PARAMETER(double, heading_rad, 0.0, -2 * kPi, 2 * kPi, "0 along the world's x axis, positive to the left");
 };
 
 /// sin(a) / a, and 1 at zero.

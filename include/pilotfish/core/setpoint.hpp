@@ -15,10 +15,11 @@ inline constexpr double kMaxBearing_rad = radians(70.0);
 
 /// What the coordinator is asked to keep: the paper's d_p and theta_pd, and whether to move at all.
 struct Setpoint {
-  double distance_m = 1.0;   ///< d_p, between the two robots' base origins
-  double bearing_rad = 0.0;  ///< theta_pd within +-kMaxBearing_rad; positive: the leader is kept to the left
-  bool run = true;           ///< false: stand still, keep looking
-  static const std::vector<Parameter<Setpoint>>& parameters();
+  PILOTFISH_PARAMETERS(Setpoint);
+  PILOTFISH_PARAMETER(double, distance_m, 1.0, 0.05, 20.0, "d_p: distance to keep between the two base origins");
+  PILOTFISH_PARAMETER(double, bearing_rad, 0.0, -kMaxBearing_rad, kMaxBearing_rad,
+                      "theta_pd: observation angle to keep; positive: leader left");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, run, true, "false: stand still, keep looking");
 };
 
 }  // namespace pilotfish

@@ -12,6 +12,8 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::fuzzy {
 
 /// A complete table of rules "IF E is row AND EC is column THEN U is cell" (the paper's Table I), stored row by row.
+/// Here it is 8 x 7, no other: status_t carries 56 firing strengths, Inference and the plan are arrays of that size, so
+/// validate() refuses a table of another size. `rows` and `columns` say what a file holds, for that very message.
 struct RuleBase {
   std::size_t rows = 0;                  ///< number of terms of E
   std::size_t columns = 0;               ///< number of terms of EC

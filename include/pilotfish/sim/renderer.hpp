@@ -6,6 +6,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/sim/robot_body.hpp"
 
 PILOTFISH_API_BEGIN
@@ -13,13 +14,15 @@ namespace pilotfish::sim {
 
 /// What lies between an ideal picture and the one a camera delivers.
 struct Imperfections {
-  double blur_sigma_px = 0.7;
-  double noise_sigma = 3.0;      ///< of white Gaussian noise, in gray levels, after the exposure
-  double exposure_gain = 1.0;    ///< all grays times this, clipped at 255
-  double exposure_time_s = 0.0;  ///< motion blur: the shutter is open so long, around the instant of the frame's time
-  int exposure_samples = 5;      ///< instants that are averaged if exposure_time_s > 0
-  double clutter = 1.0;          ///< contrast of the background: 0 is a plain wall
-  static const std::vector<Parameter<Imperfections>>& parameters();
+  PILOTFISH_PARAMETERS(Imperfections);
+  PILOTFISH_PARAMETER(double, blur_sigma_px, 0.7, 0.0, 20.0, "of the lens's Gaussian blur; 0: sharp");
+  /// After the exposure.
+  PILOTFISH_PARAMETER(double, noise_sigma, 3.0, 0.0, 100.0, "of white Gaussian noise, in gray levels");
+  PILOTFISH_PARAMETER(double, exposure_gain, 1.0, 0.01, 10.0, "all grays times this, clipped at 255");
+  /// Around the instant of the frame's time.
+  PILOTFISH_PARAMETER(double, exposure_time_s, 0.0, 0.0, 0.5, "how long the shutter is open: motion blur");
+  PILOTFISH_PARAMETER(int, exposure_samples, 5, 1, 64, "instants averaged if the shutter is open for long");
+  PILOTFISH_PARAMETER(double, clutter, 1.0, 0.0, 1.0, "contrast of the background; 0: a plain wall");
 };
 
 /// A body in front of the camera.

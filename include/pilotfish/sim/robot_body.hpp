@@ -6,19 +6,20 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/core/parameter.hpp"
 
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
 /// What a robot looks like: a box, and tags that hang on it or beside it. Grays are in [0, 255].
 struct RobotBody {
-  LeaderBody leader{"", "tag36h11", {}};                ///< may be without tags
-  std::array<double, 3> box_size_m{0.0, 0.0, 0.0};      ///< length, width, height; any of them zero: no box
-  std::array<double, 3> box_position_m{0.0, 0.0, 0.0};  ///< of its centre, in the robot's base frame
-  double box_gray = 110.0;
-  double white_gray = 220.0;  ///< of the tags' paper
-  double black_gray = 30.0;   ///< of the tags' ink
-  static const std::vector<Parameter<RobotBody>>& parameters();
+  LeaderBody leader{"", "tag36h11", {}};  ///< may be without tags
+  PILOTFISH_PARAMETERS(RobotBody);
+  PILOTFISH_PARAMETER(Vector3, box_size_m, {}, 0.0, 10.0, "length, width, height; any of them zero: no box");
+  PILOTFISH_PARAMETER(Vector3, box_position_m, {}, -10.0, 10.0, "centre of the box in the robot's base frame");
+  PILOTFISH_PARAMETER(double, box_gray, 110.0, 0.0, 255.0, "of its rear and front; other sides are brighter or darker");
+  PILOTFISH_PARAMETER(double, white_gray, 220.0, 0.0, 255.0, "of the tags' paper");
+  PILOTFISH_PARAMETER(double, black_gray, 30.0, 0.0, 255.0, "of the tags' ink");
 };
 
 /// A flat rectangle that can be seen: a tag's sheet of paper, or a face of the box. All vectors are in the

@@ -9,6 +9,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/camera_model.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/sim/renderer.hpp"
 #include "pilotfish/sim/robot_body.hpp"
@@ -20,21 +21,22 @@ namespace pilotfish::sim {
 
 /// When nobody can see a robot: for scenes in which the leader vanishes, or is covered for a while.
 struct Visibility {
-  double hidden_from_s = kNever_s;
-  double hidden_until_s = kNever_s;
+  PILOTFISH_PARAMETERS(Visibility);
+  PILOTFISH_PARAMETER(double, hidden_from_s, kNever_s, 0.0, kNever_s, "from then on nobody sees it");
+  PILOTFISH_PARAMETER(double, hidden_until_s, kNever_s, 0.0, kNever_s, "from then on it is seen again");
   /// False while it is hidden.
   bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
-  static const std::vector<Parameter<Visibility>>& parameters();
 };
 
 /// A robot's own camera.
 struct CameraSpec {
-  CameraModel model;              ///< size and lens
-  CameraMounting mounting;        ///< where it sits on the robot
-  Imperfections imperfections;    ///< Imperfections of its pictures
-  double latency_s = 1.0 / 30.0;  ///< from the exposure to the moment the command that answers it acts
-  double drop_probability = 0.0;  ///< of a picture never being delivered
-  static const std::vector<Parameter<CameraSpec>>& parameters();
+  CameraModel model;            ///< size and lens
+  CameraMounting mounting;      ///< where it sits on the robot
+  Imperfections imperfections;  ///< Imperfections of its pictures
+  PILOTFISH_PARAMETERS(CameraSpec);
+  PILOTFISH_PARAMETER(double, latency_s, 1.0 / 30.0, 0.0, 2.0,
+                      "from the exposure until the command that answers it acts");
+  PILOTFISH_PARAMETER(double, drop_probability, 0.0, 0.0, 1.0, "of a picture never being delivered");
 };
 
 /// One robot of the world. What it does is one of three: it drives a trajectory, it follows another robot by
@@ -54,13 +56,13 @@ struct RobotSpec {
 
 /// A world to play: robots, time, seed. See data/scenarios/.
 struct Scenario {
-  std::string name;
-  std::string description;
-  double duration_s = 20.0;
-  double frame_rate_hz = 30.0;
-  int seed = 1;
+  PILOTFISH_PARAMETERS(Scenario);
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, name, {}, "one word, for file names");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, description, {}, "what there is to see");
+  PILOTFISH_PARAMETER(double, duration_s, 20.0, 0.01, 1e5, "of the run");
+  PILOTFISH_PARAMETER(double, frame_rate_hz, 30.0, 1.0, 1000.0, "of all cameras; they expose together");
+  PILOTFISH_PARAMETER(int, seed, 1, 0, 2147483647, "of noise, clutter and dropped frames");
   std::vector<RobotSpec> robots;  ///< list of RobotSpec; getting it gives a copy, so set it as a whole
-  static const std::vector<Parameter<Scenario>>& parameters();
 
   const RobotSpec* find(const std::string& robot) const;  ///< nullptr if there is none of that name
   int frame_count() const;                                ///< exposures at k / frame_rate_hz, k = 0, 1, ... < duration

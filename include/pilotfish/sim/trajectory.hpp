@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pilotfish/api.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/sim/unicycle.hpp"
 
 PILOTFISH_API_BEGIN
@@ -18,11 +19,11 @@ inline constexpr double kNever_s = 1e9;
 /// Speed along a path: from rest at start_time_s up to speed_mps with a constant acceleration, and from
 /// stop_time_s down to rest again. A negative speed drives backwards.
 struct SpeedProfile {
-  double speed_mps = 0.2;
-  double acceleration_mps2 = 0.5;
-  double start_time_s = 0.0;
-  double stop_time_s = kNever_s;
-  static const std::vector<Parameter<SpeedProfile>>& parameters();
+  PILOTFISH_PARAMETERS(SpeedProfile);
+  PILOTFISH_PARAMETER(double, speed_mps, 0.2, -5.0, 5.0, "negative: backwards");
+  PILOTFISH_PARAMETER(double, acceleration_mps2, 0.5, 1e-3, 1e3, "from rest to speed, and back to rest");
+  PILOTFISH_PARAMETER(double, start_time_s, 0.0, 0.0, kNever_s, "stands still until then");
+  PILOTFISH_PARAMETER(double, stop_time_s, kNever_s, 0.0, kNever_s, "brakes from then on");
 };
 
 /// Distance covered and speed at a time. With T = min(t, stop) - start the time spent driving:
@@ -42,41 +43,43 @@ struct Line {
 
 /// A circular arc.
 struct Circle {
-  double radius_m = 1.0;   ///< [m], of the base's origin
-  bool clockwise = false;  ///< false: turns to the left
-  SpeedProfile profile;    ///< SpeedProfile along the arc
-  static const std::vector<Parameter<Circle>>& parameters();
+  PILOTFISH_PARAMETERS(Circle);
+  PILOTFISH_PARAMETER(double, radius_m, 1.0, 0.05, 1e3, "of the path of its turning centre");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, clockwise, false, "false: turns to the left");
+  SpeedProfile profile;  ///< SpeedProfile along the arc
 };
 
 /// Gerono's lemniscate, x = a sin p, y = b sin p cos p, driven at constant speed along its arc: it crosses
 /// itself at the start, and its curvature is continuous (zero at the crossing), so that a real robot could drive it.
 struct FigureEight {
-  double half_length_m = 1.5;  ///< a: from the crossing to the far end of a lobe
-  double half_width_m = 1.0;   ///< b: a lobe is as wide as b
-  SpeedProfile profile;        ///< SpeedProfile along the arc
-  static const std::vector<Parameter<FigureEight>>& parameters();
+  PILOTFISH_PARAMETERS(FigureEight);
+  /// The a of the curve.
+  PILOTFISH_PARAMETER(double, half_length_m, 1.5, 0.05, 1e3, "from the crossing to the far end of a lobe");
+  /// The b of the curve.
+  PILOTFISH_PARAMETER(double, half_width_m, 1.0, 0.05, 1e3, "width of a lobe");
+  SpeedProfile profile;  ///< SpeedProfile along the arc
 };
 double lap_length_m(const FigureEight& eight);
 
 /// One point to drive to, in the frame of the start pose (x ahead, y left).
 struct Waypoint {
-  double x_m = 0.0;
-  double y_m = 0.0;
-  double pause_s = 0.0;  ///< standing still there before going on
-  static const std::vector<Parameter<Waypoint>>& parameters();
+  PILOTFISH_PARAMETERS(Waypoint);
+  PILOTFISH_PARAMETER(double, x_m, 0.0, -1e4, 1e4, "ahead of the start");
+  PILOTFISH_PARAMETER(double, y_m, 0.0, -1e4, 1e4, "to the left of the start");
+  PILOTFISH_PARAMETER(double, pause_s, 0.0, 0.0, 1e6, "stands still there before going on");
 };
 
 /// Turns on the spot towards the next point, drives there in a straight line, stops, waits. Every move starts
 /// and ends at rest with a trapezoidal speed.
 struct Waypoints {
   std::vector<Waypoint> points;  ///< list of Waypoint; getting it gives a copy, so set it as a whole
-  bool repeat = false;           ///< after the last point go to the first one again
-  double speed_mps = 0.2;
-  double acceleration_mps2 = 0.5;
-  double turn_rate_radps = 0.5;
-  double turn_acceleration_radps2 = 1.0;
-  double start_time_s = 0.0;
-  static const std::vector<Parameter<Waypoints>>& parameters();
+  PILOTFISH_PARAMETERS(Waypoints);
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, repeat, false, "after the last point go to the first one again");
+  PILOTFISH_PARAMETER(double, speed_mps, 0.2, 1e-3, 5.0, "top speed between two points");
+  PILOTFISH_PARAMETER(double, acceleration_mps2, 0.5, 1e-3, 1e3, "from rest to speed, and back to rest");
+  PILOTFISH_PARAMETER(double, turn_rate_radps, 0.5, 1e-3, 50.0, "top turn rate on the spot");
+  PILOTFISH_PARAMETER(double, turn_acceleration_radps2, 1.0, 1e-3, 1e4, "of a turn on the spot");
+  PILOTFISH_PARAMETER(double, start_time_s, 0.0, 0.0, kNever_s, "stands still until then");
 };
 
 using Trajectory = std::variant<Still, Line, Circle, FigureEight, Waypoints>;

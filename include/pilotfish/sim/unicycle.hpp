@@ -18,13 +18,14 @@ struct UnicycleState {
 
 /// What a drive can do, and how late it does it.
 struct DriveConfig {
-  double max_linear_mps = 0.6;
-  double max_linear_acceleration_mps2 = 1.0;
-  double max_angular_radps = 2.0;
-  double max_angular_acceleration_radps2 = 10.0;
-  double actuator_lag_s = 0.1;     ///< time constant of the wheels' speed control; 0: none
-  double command_timeout_s = 0.2;  ///< a command that is not renewed for so long is taken as zero; 0: never
-  static const std::vector<Parameter<DriveConfig>>& parameters();
+  PILOTFISH_PARAMETERS(DriveConfig);
+  PILOTFISH_PARAMETER(double, max_linear_mps, 0.6, 0.0, 20.0, "top speed, forwards and backwards");
+  PILOTFISH_PARAMETER(double, max_linear_acceleration_mps2, 1.0, 1e-3, 1e3, "greatest change of the set speed");
+  PILOTFISH_PARAMETER(double, max_angular_radps, 2.0, 0.0, 50.0, "top turn rate, either way");
+  PILOTFISH_PARAMETER(double, max_angular_acceleration_radps2, 10.0, 1e-3, 1e4, "greatest change of the set turn rate");
+  PILOTFISH_PARAMETER(double, actuator_lag_s, 0.1, 0.0, 5.0, "time constant of the wheels; 0: none");
+  PILOTFISH_PARAMETER(double, command_timeout_s, 0.2, 0.0, 60.0,
+                      "a command that is not renewed for so long is taken as zero; 0: never");
 };
 
 /// A differential-drive robot behind its wheel driver. A command is clamped to the top speeds; the driver's

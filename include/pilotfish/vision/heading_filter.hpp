@@ -14,9 +14,11 @@ namespace pilotfish::vision {
 
 /// How headings change and how long evidence lasts.
 struct HeadingFilterConfig {
-  double acceleration_radps2 = 2.0;  ///< how fast the relative heading's rate may change: standard deviation
-  double memory_s = 2.0;             ///< after so long, evidence for one of two solutions has faded to 1/e
-  static const std::vector<Parameter<HeadingFilterConfig>>& parameters();
+  PILOTFISH_PARAMETERS(HeadingFilterConfig);
+  PILOTFISH_PARAMETER(double, acceleration_radps2, 2.0, 0.01, 100.0,
+                      "standard deviation of the angular acceleration of the leader relative to the coordinator");
+  PILOTFISH_PARAMETER(double, memory_s, 2.0, 0.05, 60.0,
+                      "time after which evidence for one of the two solutions of a flat tag has faded to 1/e");
 };
 
 /// What one planar solution of one frame says.

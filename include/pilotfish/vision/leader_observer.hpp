@@ -6,6 +6,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
+#include "pilotfish/core/parameter.hpp"
 #include "pilotfish/vision/heading_filter.hpp"
 #include "pilotfish/vision/leader_pose.hpp"
 #include "pilotfish/vision/leader_track.hpp"
@@ -21,13 +22,15 @@ struct SearchRegion;
 
 /// How a leader is looked for and followed.
 struct LeaderObserverConfig {
-  double acquisition_range_m = 5.0;  ///< a leader that nobody follows yet is looked for up to this distance
-  TagDetectorConfig detector;        ///< how tags are found
-  TagGates gates;                    ///< which of them are accepted
-  LeaderPoseConfig pose;             ///< which poses are accepted
-  HeadingFilterConfig heading;       ///< which of two solutions
-  LeaderTrackConfig track;           ///< how a leader can move
-  static const std::vector<Parameter<LeaderObserverConfig>>& parameters();  ///< its own: acquisition_range_m
+  PILOTFISH_PARAMETERS(LeaderObserverConfig);
+  PILOTFISH_PARAMETER(
+      double, acquisition_range_m, 5.0, 0.1, 100.0,
+      "a leader that nobody follows yet is looked for up to this distance; farther needs a finer, slower search");
+  TagDetectorConfig detector;   ///< how tags are found
+  TagGates gates;               ///< which of them are accepted
+  LeaderPoseConfig pose;        ///< which poses are accepted
+  HeadingFilterConfig heading;  ///< which of two solutions
+  LeaderTrackConfig track;      ///< how a leader can move
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp

@@ -17,11 +17,16 @@ namespace pilotfish::vision {
 
 /// Which poses are accepted, and how exactly.
 struct LeaderPoseConfig {
-  double max_reprojection_error_px = 3.0;  ///< RMS over all corners
-  double corner_sigma_px = 0.005;          ///< of each corner coordinate, added to its measured noise
-  double min_distance_m = 0.05;            ///< camera to tag; nearer, the pose is not accepted
-  double max_distance_m = 20.0;            ///< camera to tag; farther, the pose is not accepted
-  static const std::vector<Parameter<LeaderPoseConfig>>& parameters();
+  PILOTFISH_PARAMETERS(LeaderPoseConfig);
+  PILOTFISH_PARAMETER(double, max_reprojection_error_px, 3.0, 0.01, 100.0,
+                      "RMS distance between seen and projected corners above which a pose is refused");
+  PILOTFISH_PARAMETER(double, corner_sigma_px, 0.005, 0.0, 10.0,
+                      "standard deviation of each corner coordinate that is added to its measured noise: what the "
+                      "calibration and the printer get wrong");
+  PILOTFISH_PARAMETER(double, min_distance_m, 0.05, 0.01, 1000.0,
+                      "camera to tag; a tag that looks so large that it is nearer is refused");
+  PILOTFISH_PARAMETER(double, max_distance_m, 20.0, 0.1, 1000.0,
+                      "camera to tag; a tag that looks so small that it is farther away is refused");
 };
 
 /// One pose that explains the corners at least locally best.

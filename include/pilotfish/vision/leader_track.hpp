@@ -15,10 +15,15 @@ namespace pilotfish::vision {
 
 /// How a leader can move from frame to frame.
 struct LeaderTrackConfig {
-  double memory_s = 0.5;                ///< after so long without the leader the whole frame is searched
-  double max_relative_speed_mps = 4.0;  ///< leader against coordinator, along and across the line of sight
-  double max_turn_rate_radps = 4.0;     ///< of the coordinator, which sweeps the leader sideways
-  static const std::vector<Parameter<LeaderTrackConfig>>& parameters();
+  PILOTFISH_PARAMETERS(LeaderTrackConfig);
+  PILOTFISH_PARAMETER(
+      double, memory_s, 0.5, 0.0, 5.0,
+      "for so long after the leader was last seen it is looked for where it should be now; then in the whole frame");
+  /// Along and across the line of sight.
+  PILOTFISH_PARAMETER(double, max_relative_speed_mps, 4.0, 0.1, 100.0,
+                      "a leader that moved faster than that, relative to the coordinator, jumped and is refused");
+  PILOTFISH_PARAMETER(double, max_turn_rate_radps, 4.0, 0.1, 100.0,
+                      "the same for the sideways sweep when the coordinator turns");
 };
 
 /// Where the leader was, how it moved in front of the camera, and what follows for now. A value.

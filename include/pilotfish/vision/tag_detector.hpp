@@ -12,15 +12,23 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
+/// libapriltag's blur writes before the first pixel of a row once half its kernel, int(4 sigma) | 1 wide, exceeds the
+/// row. The shortest row is kMinFrameSide / 4 = 4 px, which bears 7 taps: sigma < 2.
+inline constexpr double kMaxBlurSigmaPx = 1.9;
+
 /// How tags are found and which are accepted.
 struct TagDetectorConfig {
-  /// Find quads on an image this much smaller: 1, 1.5, 2, 3 or 4 (edges: always full size). 0: whoever knows how large
-  /// the tags look chooses, see decimation_for(); a detector by itself takes 1.
-  double decimation = 0.0;
-  int max_hamming = 0;  ///< corrected bits that are still accepted
-  double min_decision_margin = 20.0;
-  double blur_sigma_px = 0.0;  ///< Gaussian blur of the image in which quads are found
-  static const std::vector<Parameter<TagDetectorConfig>>& parameters();
+  PILOTFISH_PARAMETERS(TagDetectorConfig);
+  /// Edges are measured at full size whatever it is. At 0, whoever knows how large the tags look chooses, see
+  /// decimation_for(); a detector by itself takes 1.
+  PILOTFISH_PARAMETER(double, decimation, 0.0, 0.0, 4.0,
+                      "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; 0: as acquisition_range_m allows");
+  PILOTFISH_PARAMETER(int, max_hamming, 0, 0, 2, "corrected bits that are still accepted");
+  PILOTFISH_PARAMETER(double, min_decision_margin, 20.0, 0.0, 255.0,
+                      "mean contrast of a tag's bits, in gray levels, below which it is refused");
+  PILOTFISH_PARAMETER(
+      double, blur_sigma_px, 0.0, 0.0, kMaxBlurSigmaPx,
+      "Gaussian blur of the image in which quads are found, for very noisy cameras; below 0.5 it does nothing");
 };
 
 /// Tags found and what was turned away, by gate.

@@ -14,10 +14,13 @@ namespace pilotfish::vision {
 
 /// Which tags are accepted once they have been found. Defaults: docs/vision.md shows the data they come from.
 struct TagGates {
-  double min_cell_px = 0.9;               ///< shorter side of a cell
-  double max_blur_cells = 0.8;            ///< standard deviation of the blur, in cells
-  double max_normalised_residual = 0.12;  ///< RMS of what the template does not explain, as a part of its contrast
-  static const std::vector<Parameter<TagGates>>& parameters();
+  PILOTFISH_PARAMETERS(TagGates);
+  PILOTFISH_PARAMETER(double, min_cell_px, 0.9, 0.5, 50.0, "shorter side of a tag's cell below which it is refused");
+  PILOTFISH_PARAMETER(double, max_blur_cells, 0.8, 0.1, 2.0,
+                      "standard deviation of the blur, in cells of the tag, above which it is refused");
+  PILOTFISH_PARAMETER(
+      double, max_normalised_residual, 0.12, 0.01, 1.0,
+      "RMS difference of picture and template, as a part of the contrast, above which a tag is refused");
 };
 
 /// One tag, verified and measured in this very frame.

@@ -7,7 +7,7 @@ import math
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from pilotfish.body_learning import Collected, LearnedBody
+from pilotfish.calibration.body import Collected, LearnedBody
 from pilotfish.cli.console import console, warn
 
 

@@ -12,7 +12,7 @@ from pilotfish.cli.console import check_writable, console, friendly_errors, prog
 from pilotfish.cli.options import between
 
 if TYPE_CHECKING:
-    from pilotfish.body_learning import KnownTag, TagSizes, TurningCentre
+    from pilotfish.calibration.body import KnownTag, TagSizes, TurningCentre
     from pilotfish.capture import FrameSource
 
 LENGTH_M = (0.005, 5.0)  # of a tag's side, as in core.BodyTag, and of its height
@@ -116,7 +116,7 @@ def learn_body(
           --tag-size 7=0.10 --reference-tag 0 --reference-position -0.2 0 0.25 \\
           --output my_robot.yaml
     """
-    from pilotfish import body_learning
+    from pilotfish.calibration import body as body_calibration
     from pilotfish.cli.body_report import print_report, remarks
     from pilotfish.coordinator import load_calibration
     from pilotfish.errors import ConfigError, PilotfishError
@@ -135,7 +135,7 @@ def learn_body(
             raise ConfigError(str(error)) from error
         source, pictures = _open(film)
         with progress("finding tags") as step:
-            collected = body_learning.collect_sightings(
+            collected = body_calibration.collect_sightings(
                 source,
                 model,
                 sizes,
@@ -145,7 +145,7 @@ def learn_body(
                 on_frame=lambda done: step(done, pictures),
             )
         with console.status("learning the layout"):
-            learned = body_learning.learn_body(
+            learned = body_calibration.learn_body(
                 collected.sightings,
                 model,
                 base=base,
@@ -153,7 +153,7 @@ def learn_body(
                 family=family,
                 name=name or output.stem,
             )
-        body_learning.write_leader_body(output, learned.body, remarks(film.name, learned))
+        body_calibration.write_leader_body(output, learned.body, remarks(film.name, learned))
         print_report(collected, learned)
         console.print(f"wrote {output}", soft_wrap=True)
 
@@ -178,7 +178,7 @@ def _of_tag(text: str, option: str) -> tuple[int, float]:
 
 
 def _sizes(texts: list[str]) -> TagSizes:
-    from pilotfish.body_learning import TagSizes
+    from pilotfish.calibration.body import TagSizes
 
     default = [_number(text, "--tag-size") for text in texts if "=" not in text]
     if len(default) > 1:
@@ -196,7 +196,7 @@ def _base(
     roll_deg: float,
     leader: Path | None,
 ) -> KnownTag | TurningCentre:
-    from pilotfish.body_learning import KnownTag, TurningCentre
+    from pilotfish.calibration.body import KnownTag, TurningCentre
     from pilotfish.coordinator import load_leader_body
     from pilotfish.core import BodyTag
     from pilotfish.errors import BodyLearningError

@@ -10,16 +10,6 @@
 
 namespace pilotfish::control {
 
-const std::vector<Parameter<PbvsConfig>>& PbvsConfig::parameters() {
-  using C = PbvsConfig;
-  static const std::vector<Parameter<C>> table = {
-      {"gain_at_zero", &C::gain_at_zero, 0.01, 50.0, "gain where the error is zero [1/s]"},
-      {"gain_at_infinity", &C::gain_at_infinity, 0.01, 50.0, "gain where it is great [1/s]"},
-      {"slope_at_zero", &C::slope_at_zero, 0.0, 1000.0, "how fast the gain falls from the one to the other [1/(m s)]"},
-  };
-  return table;
-}
-
 /// ViSP's camera frame has x to the right, y down and z ahead, so a leader at (d, theta) is at X = -d sin(theta),
 /// Y = 0, Z = d cos(theta). cRe turns the robot's axes (x ahead, z up) into them; eJe maps (v, w) to a velocity screw.
 struct PbvsLaw::Task {

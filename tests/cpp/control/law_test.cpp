@@ -71,6 +71,39 @@ FollowerConfig driven_by(LawDescription law) {
 
 using tests::refused_key;
 
+TEST(AddLaw, RefusesANameThatAFileCouldNotTellFromAnother) {
+  FollowerConfig config;
+  for (const std::string taken : {"fuzzy", "pid", "limits", "leader_motion"}) {
+    EXPECT_EQ(refused_key([&] { add_law(config, counted_law(taken)); }), "law") << taken;
+    EXPECT_EQ(law_names(config), law_names(FollowerConfig{})) << taken;
+  }
+  add_law(config, counted_law("own"));
+  EXPECT_EQ(law_names(config).back(), "own");
+  EXPECT_EQ(refused_key([&] { add_law(config, counted_law("own")); }), "law");  // it is there already
+}
+
+TEST(AddLaw, SaysWhoHasTheName) {
+  FollowerConfig config;
+  const auto problem = [&](const char* name) -> std::string {
+    try {
+      add_law(config, counted_law(name));
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(problem("limits"),
+            "law: 'limits' is a section of the configuration's `control`; a law of your own needs another name");
+  EXPECT_EQ(problem("pid"), "law: 'pid' comes with Pilotfish; a law of your own needs another name");
+}
+
+TEST(FollowerOfOwnLaws, RefusesNamesThatWerePushedPastAddLaw) {
+  for (const std::string taken : {"fuzzy", "pid", "drive"}) {
+    FollowerConfig config = driven_by(counted_law(taken));
+    EXPECT_EQ(refused_key([&] { Follower{config}; }), "law") << taken;
+  }
+}
+
 TEST(DescribeLaw, TakesKeysBoundsAndDefaultsFromTheTable) {
   const LawDescription law = describe_law<OwnLaw, OwnConfig>("own", "My own");
   ASSERT_EQ(law.parameters.size(), 1U);

@@ -12,7 +12,7 @@ namespace {
 
 using namespace pilotfish;
 
-struct Wheel {
+struct Wheel {  // as the macros write it
   double radius_m = 0.05;
   static const std::vector<Parameter<Wheel>>& parameters() {
     static const std::vector<Parameter<Wheel>> table = {{"radius_m", &Wheel::radius_m, 0.01, 0.5, ""}};
@@ -28,18 +28,15 @@ struct Axle {  // has no numbers of its own
   }
 };
 struct Robot {
-  int wheels = 2;
-  bool painted = true;
-  std::string colour = "a text has no range";
-  std::array<double, 3> position_m{};
-  Axle axle;
-  static const std::vector<Parameter<Robot>>& parameters() {
-    static const std::vector<Parameter<Robot>> table = {{"wheels", &Robot::wheels, 1, 4, ""},
-                                                        {"painted", &Robot::painted, 0, 0, ""},
-                                                        {"colour", &Robot::colour, 0, 0, ""},
-                                                        {"position_m", &Robot::position_m, -1, 1, ""}};
-    return table;
-  }
+  PILOTFISH_PARAMETERS(Robot);
+  PILOTFISH_PARAMETER(int, wheels, 2, 1, 4, "on the ground");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, painted, true, "");
+  Axle axle;  // what is no parameter may stand between them
+
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, colour, "a text has no range",
+                                    "the name of a colour, in a text that is too long for one line "
+                                    "of it");
+  PILOTFISH_PARAMETER(Vector3, position_m, {}, -1, 1, "");
   template <class Visit>
   static void sections(Visit&& visit) {
     visit("axle", &Robot::axle);
@@ -53,6 +50,33 @@ static_assert(std::is_base_of_v<std::invalid_argument, ConfigError>);  // caught
 using tests::refused_key;
 std::string refused_key(const Robot& robot, const std::string& section) {
   return refused_key([&] { check_tree(robot, section); });
+}
+
+static_assert(std::is_aggregate_v<Robot>);
+static_assert(std::is_same_v<decltype(Robot::wheels), int>);
+
+TEST(Parameters, AreTheMembersInTheirOrder) {
+  const std::vector<Parameter<Robot>>& table = Robot::parameters();
+  std::vector<std::string_view> keys;
+  for (const Parameter<Robot>& each : table) keys.push_back(each.key);
+  EXPECT_EQ(keys, (std::vector<std::string_view>{"wheels", "painted", "colour", "position_m"}));
+  EXPECT_EQ(std::get<int Robot::*>(table[0].member), &Robot::wheels);
+  EXPECT_EQ(table[0].min, 1.0);
+  EXPECT_EQ(table[0].max, 4.0);
+  EXPECT_EQ(table[0].text, "on the ground");
+  EXPECT_EQ(table[2].text, "the name of a colour, in a text that is too long for one line of it");
+  const Robot defaults;
+  EXPECT_EQ(defaults.wheels, 2);
+  EXPECT_EQ(defaults.colour, "a text has no range");
+}
+
+TEST(Outside, IsSaidOfWhatIsNotWithinBothEnds) {
+  EXPECT_EQ(outside(5.0, 0.0, 5.0), std::nullopt);
+  EXPECT_EQ(outside(5.5, 0.0, 5.0), "5.5 is outside [0, 5]");
+  EXPECT_EQ(outside(-1, 0, 1'000'000), "-1 is outside [0, 1000000]");  // whole numbers to their last digit
+  EXPECT_EQ(outside(std::nan(""), 0.0, 5.0), "nan is outside [0, 5]");
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(outside(kInfinity, 0.0, kInfinity), "inf is outside [0, inf]");  // no number to work with
 }
 
 TEST(ConfigError, SaysItsKeyBeforeTheProblem) {

@@ -86,16 +86,19 @@ TEST(TagDetector, OnlyReadsThePixels) {
 }
 
 TEST(TagDetector, ReadsNoByteBehindTheLastRow) {
-  // A sanitizer sees the end of the vector. Rows of 208 bytes, of which the last has 200.
+  // A sanitizer sees the end of the vector. Rows of 208 bytes, of which the last has 200; what stands between them is
+  // no part of the picture.
   const std::vector<std::uint8_t> dense = tests::tag_picture(7);
   const std::size_t side = tests::kPictureSide_px, stride = 208;
-  std::vector<std::uint8_t> padded(stride * (side - 1) + side, 0);
+  std::vector<std::uint8_t> padded(stride * (side - 1) + side);
+  for (std::size_t i = 0; i < padded.size(); ++i) padded[i] = static_cast<std::uint8_t>(i * 37);
   for (std::size_t v = 0; v < side; ++v) std::copy_n(&dense[v * side], side, &padded[v * stride]);
   padded.shrink_to_fit();
   TagDetector detector("tag36h11", {});
   const Detections found = detector.detect({padded.data(), padded.size(), 200, 200, 208});
   ASSERT_EQ(found.tags.size(), 1U);
   EXPECT_EQ(found.tags[0].id, 7);
+  EXPECT_EQ(found.tags[0].corners_px, detector.detect(tests::tag_frame(7).image).tags.at(0).corners_px);
 }
 
 TEST(TagDetector, SaysWhyItDidNotLook) {
@@ -104,6 +107,35 @@ TEST(TagDetector, SaysWhyItDidNotLook) {
   ImageView view = tests::tag_frame(7).image;
   --view.size_bytes;
   EXPECT_EQ(detector.detect(view).input, Reason::frame_truncated);
+}
+
+TEST(TagDetector, RefusesAPictureThatItsBytesCannotBe) {
+  struct {
+    std::size_t size_bytes;
+    int width, height, stride_bytes;
+    Reason reason;
+  } const claims[] = {
+      {1, 1, 1, 1, Reason::frame_too_small},
+      {640, 640, 1, 640, Reason::frame_too_small},
+      {640, 1, 640, 1, Reason::frame_too_small},
+      {100, -640, 480, 640, Reason::frame_too_small},
+      {40000 * 16, 40000, 16, 40000, Reason::frame_too_large},
+      {40000 * 16, 16, 40000, 16, Reason::frame_too_large},
+      {640 * 480, 640, 480, 639, Reason::frame_stride_invalid},
+      {640 * 480, 640, 480, -640, Reason::frame_stride_invalid},
+      {640 * 480 - 1, 640, 480, 640, Reason::frame_truncated},
+      {640 * 480, 640, 480, 641, Reason::frame_truncated},
+      {0, 640, 480, 640, Reason::frame_truncated},
+      {1000, 16384, 16384, 2147483647, Reason::frame_truncated},
+  };
+  TagDetector detector("tag36h11", {});
+  for (const auto& claim : claims) {
+    const std::vector<std::uint8_t> bytes(claim.size_bytes);
+    const Detections found =
+        detector.detect({bytes.data(), bytes.size(), claim.width, claim.height, claim.stride_bytes});
+    EXPECT_EQ(found.input, claim.reason) << claim.width << " x " << claim.height << ", " << claim.stride_bytes;
+    EXPECT_TRUE(found.tags.empty());
+  }
 }
 
 TEST(TagDetector, IsNotMadeOfWhatCannotWork) {

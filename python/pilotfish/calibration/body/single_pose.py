@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from pilotfish.body_learning.projection import project
-from pilotfish.body_learning.rigid import moved, skew, transform
-from pilotfish.body_learning.sightings import Sightings
+from pilotfish.calibration.body.projection import project
+from pilotfish.calibration.body.rigid import moved, skew, transform
+from pilotfish.calibration.body.sightings import Sightings
 from pilotfish.core import BodyTag, CameraModel, LeaderBody, TagDetection
 from pilotfish.vision import estimate_leader_pose
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from pilotfish import coordinator, core, sim
 from pilotfish import data as shipped
-from pilotfish.body_learning import Sightings, TagSizes, collect_sightings
+from pilotfish.calibration.body import Sightings, TagSizes, collect_sightings
 
 CAMERA = coordinator.load_calibration(str(shipped.path("calibrations/sim_640x480.yaml")))
 MOUNTING = core.CameraMounting(position_m=[0, 0, 0.35], tilt_rad=-0.05)

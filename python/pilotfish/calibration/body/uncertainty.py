@@ -13,9 +13,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from pilotfish.body_learning.adjustment import Adjustment
-from pilotfish.body_learning.base_frame import Base, base_from_reference
-from pilotfish.body_learning.rigid import step_between
+from pilotfish.calibration.body.adjustment import Adjustment
+from pilotfish.calibration.body.base_frame import Base, base_from_reference
+from pilotfish.calibration.body.rigid import step_between
 
 DRAWS = 200  # a standard deviation from 200 draws is known to 1 / sqrt(2 * 200) = 5 %
 BLOCKS = 12

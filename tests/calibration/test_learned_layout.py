@@ -16,7 +16,7 @@ from turning_bodies import (
 )
 
 from pilotfish import core
-from pilotfish.body_learning import KnownTag, TurningCentre, learn_body
+from pilotfish.calibration.body import KnownTag, TurningCentre, learn_body
 
 
 def mean_normalised_square(learned, truth):

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.body_learning.rigid import inverse, mean_pose, transform
-from pilotfish.body_learning.sightings import UNIT_CORNERS, Sightings
+from pilotfish.calibration.body.rigid import inverse, mean_pose, transform
+from pilotfish.calibration.body.sightings import UNIT_CORNERS, Sightings
 
 SIZE_FACTORS = np.exp(np.linspace(-np.log(4.0), np.log(4.0), 71))  # 4 % apart
 CLEARLY_LESS = 0.5

@@ -5,10 +5,10 @@ on it be what explains all corners best (bundle adjustment), and hangs the resul
 turning axis, or on one tag whose place is known; ``write_leader_body`` writes the YAML.
 """
 
-from pilotfish.body_learning.base_frame import KnownTag, TurningCentre
-from pilotfish.body_learning.leader_file import write_leader_body
-from pilotfish.body_learning.learn import LearnedBody, LearnedTag, learn_body
-from pilotfish.body_learning.sightings import Collected, Sightings, TagSizes, collect_sightings
+from pilotfish.calibration.body.base_frame import KnownTag, TurningCentre
+from pilotfish.calibration.body.leader_file import write_leader_body
+from pilotfish.calibration.body.learn import LearnedBody, LearnedTag, learn_body
+from pilotfish.calibration.body.sightings import Collected, Sightings, TagSizes, collect_sightings
 
 __all__ = [
     "Collected",

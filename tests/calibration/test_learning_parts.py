@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from turning_bodies import CAMERA, FIVE, one_turn, sightings_of, tag, turned
 
 from pilotfish import core
-from pilotfish.body_learning.bundle import Bundle, Estimate
-from pilotfish.body_learning.leader_file import body_tag
-from pilotfish.body_learning.projection import project
-from pilotfish.body_learning.rigid import moved, step_between
-from pilotfish.body_learning.single_pose import both_tag_poses
-from pilotfish.body_learning.turning import fit_turning_axis, turned_rad
+from pilotfish.calibration.body.bundle import Bundle, Estimate
+from pilotfish.calibration.body.leader_file import body_tag
+from pilotfish.calibration.body.projection import project
+from pilotfish.calibration.body.rigid import moved, step_between
+from pilotfish.calibration.body.single_pose import both_tag_poses
+from pilotfish.calibration.body.turning import fit_turning_axis, turned_rad
 from pilotfish.errors import BodyLearningError
 
 WIDE = core.CameraModel(

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.body_learning.bundle import Bundle, Estimate
-from pilotfish.body_learning.first_guess import guess_layout, pose_frames
-from pilotfish.body_learning.pairs import pairs_seen_together
-from pilotfish.body_learning.sightings import Sightings
-from pilotfish.body_learning.single_pose import both_tag_poses
-from pilotfish.body_learning.sizes import check_sizes, check_sizes_roughly
-from pilotfish.body_learning.turning import settle_flips
+from pilotfish.calibration.body.bundle import Bundle, Estimate
+from pilotfish.calibration.body.first_guess import guess_layout, pose_frames
+from pilotfish.calibration.body.pairs import pairs_seen_together
+from pilotfish.calibration.body.sightings import Sightings
+from pilotfish.calibration.body.single_pose import both_tag_poses
+from pilotfish.calibration.body.sizes import check_sizes, check_sizes_roughly
+from pilotfish.calibration.body.turning import settle_flips
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.body_learning.turning import TurningAxis, fit_turning_axis
+from pilotfish.calibration.body.turning import TurningAxis, fit_turning_axis
 from pilotfish.core import BodyTag
 from pilotfish.errors import BodyLearningError
 

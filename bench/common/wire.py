@@ -1,13 +1,4 @@
-"""Pictures on the wire, for Python programs: ``bot_core.image_t`` to NumPy and back.
-
-    import lcm
-    from pilotfish import wire
-
-    bus = lcm.LCM("udpm://239.255.76.67:7667?ttl=0")
-    bus.subscribe("ROBOT1_IMAGE", lambda channel, data: show(wire.decode_image(data).image))
-
-The message types themselves are in ``pilotfish.lcmtypes.bot_core`` and ``pilotfish.lcmtypes.pilotfish``.
-"""
+"""Pictures on the wire, by another library than Pilotfish's own: ``bot_core.image_t`` to NumPy and back."""
 
 from __future__ import annotations
 

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.sparse import csr_array
 
-from pilotfish.body_learning.projection import project
-from pilotfish.body_learning.rigid import moved, right_jacobian, skew, transform
-from pilotfish.body_learning.sightings import Sightings
+from pilotfish.calibration.body.projection import project
+from pilotfish.calibration.body.rigid import moved, right_jacobian, skew, transform
+from pilotfish.calibration.body.sightings import Sightings
 from pilotfish.core import CameraModel
 
 MOST_EVALUATIONS = 60  # it settles within 5 to 20; what takes longer does not fit, and will be refused

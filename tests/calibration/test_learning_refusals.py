@@ -8,7 +8,7 @@ import pytest
 from turning_bodies import CAMERA, FIVE, film, filmed, one_turn, sightings_of, sizes_of, tag
 
 from pilotfish import core
-from pilotfish.body_learning import KnownTag, TagSizes, TurningCentre, collect_sightings, learn_body
+from pilotfish.calibration.body import KnownTag, TagSizes, TurningCentre, collect_sightings, learn_body
 from pilotfish.errors import BodyLearningError
 
 

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
-from pilotfish.body_learning.pairs import Pair
-from pilotfish.body_learning.rigid import inverse, transform
-from pilotfish.body_learning.sightings import Sightings
-from pilotfish.body_learning.single_pose import refine_poses
+from pilotfish.calibration.body.pairs import Pair
+from pilotfish.calibration.body.rigid import inverse, transform
+from pilotfish.calibration.body.sightings import Sightings
+from pilotfish.calibration.body.single_pose import refine_poses
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.body_learning.adjustment import Adjustment, adjust
-from pilotfish.body_learning.base_frame import Base, KnownTag, TurningCentre, base_from_reference
-from pilotfish.body_learning.leader_file import body_tag
-from pilotfish.body_learning.sightings import Sightings
-from pilotfish.body_learning.turning import TurningAxis, turned_rad
-from pilotfish.body_learning.uncertainty import tag_covariances
+from pilotfish.calibration.body.adjustment import Adjustment, adjust
+from pilotfish.calibration.body.base_frame import Base, KnownTag, TurningCentre, base_from_reference
+from pilotfish.calibration.body.leader_file import body_tag
+from pilotfish.calibration.body.sightings import Sightings
+from pilotfish.calibration.body.turning import TurningAxis, turned_rad
+from pilotfish.calibration.body.uncertainty import tag_covariances
 from pilotfish.core import CameraModel, LeaderBody
 from pilotfish.errors import BodyLearningError
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from pilotfish import coordinator, core
 from pilotfish import data as shipped
-from pilotfish.body_learning import write_leader_body
+from pilotfish.calibration.body import write_leader_body
 from pilotfish.cli import app
 
 CALIBRATION = str(shipped.path("calibrations/sim_640x480.yaml"))

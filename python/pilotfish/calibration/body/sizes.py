@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from pilotfish.body_learning.bundle import Bundle, Estimate
-from pilotfish.body_learning.pairs import Pair
-from pilotfish.body_learning.sightings import Sightings
+from pilotfish.calibration.body.bundle import Bundle, Estimate
+from pilotfish.calibration.body.pairs import Pair
+from pilotfish.calibration.body.sightings import Sightings
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
 

@@ -1,0 +1,1 @@
+"""What a robot learns about its parts from pictures, once: ``body`` finds where the tags of a leader sit."""
