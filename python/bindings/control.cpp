@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
+#include "law_exception.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
 
@@ -179,7 +181,8 @@ const LawDescription& named(const FollowerConfig& config, const std::string& law
 }
 
 /// A law written in Python: an object with follow(observation, setpoint, dt_s) -> Twist and, if it remembers anything,
-/// restart(). What it raises is printed, and the robot stands still.
+/// restart(). What it raises is printed, and the robot stands still; what is meant to end the program waits for the way
+/// back to Python.
 class PythonLaw final : public Law {
  public:
   explicit PythonLaw(py::object law) : law_(std::move(law)) {}
@@ -190,11 +193,13 @@ class PythonLaw final : public Law {
   Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept override {
     const py::gil_scoped_acquire gil;
     try {
-      return law_.attr("follow")(observation, setpoint, dt_s).cast<Twist>();
+      const py::object twist = law_.attr("follow")(observation, setpoint, dt_s);
+      if (py::isinstance<Twist>(twist)) return twist.cast<Twist>();
+      PyErr_Format(PyExc_TypeError, "follow() of a law returned %.200s instead of a pilotfish.core.Twist",
+                   Py_TYPE(twist.ptr())->tp_name);
+      throw py::error_already_set();
     } catch (py::error_already_set& error) {
-      error.discard_as_unraisable("follow() of a law");
-    } catch (const std::exception& error) {
-      py::print("follow() of a law:", error.what(), py::arg("file") = py::module_::import("sys").attr("stderr"));
+      settle(error, "follow() of a law");
     }
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {kNone, kNone};
@@ -204,11 +209,15 @@ class PythonLaw final : public Law {
     try {
       if (py::hasattr(law_, "restart")) law_.attr("restart")();
     } catch (py::error_already_set& error) {
-      error.discard_as_unraisable("restart() of a law");
+      settle(error, "restart() of a law");
     }
   }
 
  private:
+  static void settle(py::error_already_set& error, const char* where) {
+    if (!keep_law_exception(error)) error.discard_as_unraisable(where);
+  }
+
   py::object law_;
 };
 
@@ -227,10 +236,13 @@ void bind_laws(py::module_& m) {
   py::class_<LawDescription>(m, "LawDescription",
                              "A law as the configuration, the command line and the documentation know it.")
       .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
-             const auto made = [make = std::move(make)](const std::vector<LawParameter>& values,
-                                                        const LimitsConfig& limits) -> std::unique_ptr<Law> {
-               LawDescription law{"", "", values, nullptr};
-               return std::make_unique<PythonLaw>(make(values_of(law), limits));
+             const auto made = [name, make = std::move(make)](const std::vector<LawParameter>& values,
+                                                              const LimitsConfig& limits) -> std::unique_ptr<Law> {
+               py::object law = make(values_of({name, "", values, nullptr}), limits);
+               if (!PyCallable_Check(py::object(py::getattr(law, "follow", py::none())).ptr()))
+                 throw ConfigError("control." + name, "make() returned " + py::repr(law).cast<std::string>() +
+                                                          ", which has no method follow()");
+               return std::make_unique<PythonLaw>(std::move(law));
              };
              return LawDescription{std::move(name), std::move(text), std::move(parameters), made};
            }),
@@ -316,7 +328,10 @@ PYBIND11_MODULE(control, m) {
       .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")
-      .def_readonly("command", &FollowerOutput::command, "Twist within the limits")
+      .def_readonly("command", &FollowerOutput::command, "Twist within the limits; zero unless reason is none")
+      .def_readonly(
+          "reason", &FollowerOutput::reason,
+          "Reason.law_not_finite if the law's twist, the measurement or the setpoint was no number, else none")
       .def_readonly(
           "velocity", &FollowerOutput::velocity,
           "VelocityCommand: the fuzzy law on the measured error or, where it anticipates, on the predicted one")
@@ -329,17 +344,24 @@ PYBIND11_MODULE(control, m) {
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"), "ConfigError names the parameter that is out of range.")
-      .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"),
+      .def("follow", exclusive([](Follower& follower, const Observation& observation, const Setpoint& setpoint) {
+             return raising_law_exceptions([&] { return follower.follow(observation, setpoint); });
+           }),
+           py::arg("observation"), py::arg("setpoint"),
            "FollowerOutput for an Observation and a Setpoint; the time since the last call is that between the "
-           "observations.")
-      .def("set_ego_motion", &Follower::set_ego_motion, py::arg("utime"), py::arg("twist"),
+           "observations. Of what a law written in Python raises, only what is no Exception (KeyboardInterrupt, "
+           "SystemExit) comes out here.")
+      .def("set_ego_motion", exclusive(&Follower::set_ego_motion), py::arg("utime"), py::arg("twist"),
            "The own Twist as odometry measured it at utime [us]. False, and nothing changes, if it cannot be used. "
            "Profile `anticipate` alone listens.")
-      .def("set_leader_intent", &Follower::set_leader_intent, py::arg("utime"), py::arg("twist"),
+      .def("set_leader_intent", exclusive(&Follower::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
            "used. Profile `anticipate` alone listens.")
-      .def("restart", &Follower::restart, py::arg("since_utime"),
-           "Forget the past: from then on the robot is told to stand still.");
+      .def("restart", exclusive([](Follower& follower, std::int64_t since_utime) {
+             follower.restart(since_utime);
+             raise_law_exception();
+           }),
+           py::arg("since_utime"), "Forget the past: from then on the robot is told to stand still.");
 
   m.def("heading_turn_rate", &heading_turn_rate, py::arg("config"), py::arg("bearing_rad"),
         py::arg("bearing_setpoint_rad"), "Turn rate [rad/s], positive to the left.");

@@ -1,6 +1,7 @@
 #include <string_view>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
 #include "pilotfish/vision/tag_family.hpp"
@@ -57,25 +58,22 @@ PYBIND11_MODULE(vision, m) {
            py::arg("config") = TagDetectorConfig{},
            "family: a name that TagFamily knows. ConfigError on an unknown one or a parameter out of range.")
       .def_property_readonly("family_size", &TagDetector::family_size, "ids run from 0 to family_size - 1")
-      .def(
-          "detect",
-          [](TagDetector& detector, const py::array& image) {
-            const ImageView view = image_view(image);
-            py::gil_scoped_release unlocked;
-            return detector.detect(view);
-          },
-          "image: (H, W) uint8", py::arg("image"))
-      .def(
-          "detect_unchecked",
-          [](TagDetector& detector, const py::bytes& data, int width, int height, int stride_bytes) {
-            const std::string_view bytes = data;
-            const ImageView view{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), width, height,
-                                 stride_bytes};
-            py::gil_scoped_release unlocked;
-            return detector.detect(view);
-          },
-          "A picture whose claimed size need not fit its bytes, as it might come off a wire.", py::arg("data"),
-          py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"));
+      .def("detect", exclusive([](TagDetector& detector, const py::array& image) {
+             const ImageView view = image_view(image);
+             py::gil_scoped_release unlocked;
+             return detector.detect(view);
+           }),
+           "image: (H, W) uint8", py::arg("image"))
+      .def("detect_unchecked",
+           exclusive([](TagDetector& detector, const py::bytes& data, int width, int height, int stride_bytes) {
+             const std::string_view bytes = data;
+             const ImageView view{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), width, height,
+                                  stride_bytes};
+             py::gil_scoped_release unlocked;
+             return detector.detect(view);
+           }),
+           "A picture whose claimed size need not fit its bytes, as it might come off a wire.", py::arg("data"),
+           py::kw_only(), py::arg("width"), py::arg("height"), py::arg("stride_bytes"));
 
   bind_parameters<TagGates>(m, "TagGates", "Which tags are accepted once they have been found.");
   py::class_<Appearance>(m, "Appearance", "How a template looks in a picture.")
@@ -203,13 +201,13 @@ PYBIND11_MODULE(vision, m) {
            py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"),
            "camera: of the frames; mounting: camera on the coordinator's base; body: the leader's tags. ConfigError if "
            "any part is not usable.")
-      .def(
-          "observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),
-          "The ObservationResult of a Frame. Never raises: a frame that cannot be used, or whose size differs from the "
-          "calibration's, gives the reason. Times come from frame.utime [us].")
-      .def("forget", &LeaderObserver::forget, "The next frame is looked at as if nothing had been seen before.")
-      .def_property_readonly(
-          "rejected", [](const LeaderObserver& observer) { return observer.rejected(); }, "a copy of the counters");
+      .def("observe", exclusive_unlocked(&LeaderObserver::observe), py::arg("frame"),
+           "The ObservationResult of a Frame. A frame that cannot be used, or whose size differs from the "
+           "calibration's, gives the reason. Times come from frame.utime [us].")
+      .def("forget", exclusive(&LeaderObserver::forget),
+           "The next frame is looked at as if nothing had been seen before.")
+      .def_property_readonly("rejected", exclusive([](const LeaderObserver& observer) { return observer.rejected(); }),
+                             "a copy of the counters");
 
   add_reprs(m, {"Detections", "Appearance", "TagMeasurement", "LeaderObserverConfig", "RejectionCounters",
                 "ObservationResult"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <utility>
 
 #include "pilotfish/core/angles.hpp"
@@ -13,10 +14,17 @@ namespace pilotfish::control {
 
 namespace {
 
+constexpr Twist kNoTwist{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
 /// it, and every law here takes the opposite for granted. So the robot turns to it first.
 Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
   return std::abs(bearing_rad) < kPi / 2.0 ? wanted : Twist{0.0, wanted.angular_radps};
+}
+
+bool are_finite(const Observation& observation, const Setpoint& setpoint) noexcept {
+  return std::isfinite(observation.distance_m) && std::isfinite(observation.bearing_rad) &&
+         std::isfinite(setpoint.distance_m) && std::isfinite(setpoint.bearing_rad);
 }
 
 }  // namespace
@@ -85,11 +93,16 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   FollowerOutput output;
-  const Twist wanted_twist = turn_first(wanted(observation, setpoint, dt_s, output), observation.bearing_rad);
-  output.command = limit(config_.limits, wanted_twist, last_command_, dt_s);
+  const Twist wanted_twist = are_finite(observation, setpoint) ? wanted(observation, setpoint, dt_s, output) : kNoTwist;
+  last_utime_ = observation.utime;
+  if (!is_finite(wanted_twist)) {
+    restart(observation.utime);
+    output.reason = Reason::law_not_finite;
+    return output;
+  }
+  output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_, dt_s);
 
   own_.command(output.command, acts_utime(observation.utime));
-  last_utime_ = observation.utime;
   last_error_m_ = setpoint.distance_m - observation.distance_m;
   last_command_ = output.command;
   return output;
