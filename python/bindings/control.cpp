@@ -221,6 +221,25 @@ class PythonLaw final : public Law {
   py::object law_;
 };
 
+/// How a law written in Python is made: make({parameter: value}, limits).
+struct PythonMaker {
+  std::string name;
+  py::function make;
+  std::unique_ptr<Law> operator()(const std::vector<LawParameter>& values, const LimitsConfig& limits) const {
+    py::object law = make(values_of({name, "", values, nullptr}), limits);
+    if (PyCallable_Check(py::object(py::getattr(law, "follow", py::none())).ptr()) == 0)
+      throw ConfigError("control." + name,
+                        "make() returned " + py::repr(law).cast<std::string>() + ", which has no method follow()");
+    return std::make_unique<PythonLaw>(std::move(law));
+  }
+};
+
+decltype(LawDescription::make) make_of_built_in(const std::string& name) {
+  for (const LawDescription& law : built_in_laws())
+    if (law.name == name) return law.make;
+  throw ConfigError("control." + name, "is not built in: say how to make it");
+}
+
 void bind_laws(py::module_& m) {
   py::class_<LawParameter>(m, "LawParameter", "A number in the configuration's section control.<law>.")
       .def(py::init([](std::string key, double value, double min, double max, std::string text) {
@@ -235,25 +254,27 @@ void bind_laws(py::module_& m) {
       .def_readonly("text", &LawParameter::text, "one sentence for the documentation");
   py::class_<LawDescription>(m, "LawDescription",
                              "A law as the configuration, the command line and the documentation know it.")
-      .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
-             const auto made = [name, make = std::move(make)](const std::vector<LawParameter>& values,
-                                                              const LimitsConfig& limits) -> std::unique_ptr<Law> {
-               py::object law = make(values_of({name, "", values, nullptr}), limits);
-               if (!PyCallable_Check(py::object(py::getattr(law, "follow", py::none())).ptr()))
-                 throw ConfigError("control." + name, "make() returned " + py::repr(law).cast<std::string>() +
-                                                          ", which has no method follow()");
-               return std::make_unique<PythonLaw>(std::move(law));
-             };
-             return LawDescription{std::move(name), std::move(text), std::move(parameters), made};
+      .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters,
+                       const std::optional<py::function>& make) {
+             LawDescription law{name, std::move(text), std::move(parameters), nullptr};
+             law.make = make ? PythonMaker{name, *make} : make_of_built_in(name);
+             return law;
            }),
            py::kw_only(), py::arg("name"), py::arg("text"), py::arg("parameters") = std::vector<LawParameter>{},
            py::arg("make"),
            "make({parameter: value}, limits) returns the law: an object with follow(observation, setpoint, dt_s) -> "
            "Twist "
-           "and, if it remembers anything, restart()")
+           "and, if it remembers anything, restart(). None: the built-in law of that name.")
       .def_readonly("name", &LawDescription::name, "one word, as in `law: pid`")
       .def_readonly("text", &LawDescription::text, "one line for lists")
-      .def_readonly("parameters", &LawDescription::parameters, "list of LawParameter, a copy");
+      .def_readonly("parameters", &LawDescription::parameters, "list of LawParameter, a copy")
+      .def_property_readonly(
+          "make",
+          [](const LawDescription& law) -> std::optional<py::function> {
+            const PythonMaker* const maker = law.make.target<PythonMaker>();
+            return maker != nullptr ? std::optional(maker->make) : std::nullopt;
+          },
+          "what makes it, or None of a law that is built in");
   m.def("built_in_laws", &built_in_laws, "The laws that come with Pilotfish, beside the fuzzy one.");
   m.attr("FUZZY_LAW") = kFuzzyLaw;
 }
@@ -371,6 +392,13 @@ PYBIND11_MODULE(control, m) {
         py::arg("distance_m"), py::arg("previous_error_m"), py::arg("dt_s"), py::arg("distance_sigma_m") = 0.0,
         "The paper's law on one distance; previous_error_m may be None.");
 
+  make_value(m, "LeaderEstimate", {"mean", "covariance"});
+  make_value(m, "FieldOfView", {"right_rad", "left_rad"});
+  make_value(m, "LeaderMotion");
+  make_value(m, "LawParameter", {"key", "value", "min", "max", "text"});
+  make_value(m, "LawDescription", {"name", "text", "parameters", "make"});
+  make_value(m, "FollowerConfig", {"law", "laws", "active_law"});
+  make_results<Anticipation, VelocityCommand, FollowerOutput>();
   add_reprs(m, {"LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
                 "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});

@@ -205,6 +205,12 @@ PYBIND11_MODULE(coordinator, m) {
       .def_property_readonly("rejected", exclusive([](const Coordinator& c) { return c.rejected(); }),
                              "RejectionCounters of the observer since the start");
 
+  make_value(m, "CoordinatorConfig");
+  make_value(m, "ConfigOverrides", {"law", "profile", "tuning"});
+  make_value(m, "ConfigText", {"role", "name", "text"});
+  make_value(m, "ConfigBundle", {"files", "overrides"});
+  make_value(m, "HeldCommand", {"utime", "command", "from_us", "until_us", "holding", "run", "ever_measured"});
+  make_results<StepResult, config::CoordinatorFile>();
   add_reprs(m, {"ConfigOverrides", "ConfigText", "ConfigBundle", "CoordinatorFile", "StepResult", "HeldCommand"});
   add_repr(m, "CoordinatorConfig", {"camera", "mounting", "leader", "setpoint", "safety", "vision", "control"});
 }

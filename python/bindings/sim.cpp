@@ -249,6 +249,12 @@ PYBIND11_MODULE(sim, m) {
   bind_world(m);
   bind_loop_parts(m);
 
+  make_value(m, "Pose2", {"x_m", "y_m", "heading_rad"});
+  make_value(m, "Still");
+  make_value(m, "Line", {"profile"});
+  make_value(m, "Circle", {"radius_m", "clockwise", "profile"});
+  make_value(m, "FigureEight", {"half_length_m", "half_width_m", "profile"});
+  make_results<UnicycleState, CameraSpec, RobotSpec>();
   add_reprs(m, {"UnicycleState", "Line", "Circle", "FigureEight", "CameraSpec", "RobotSpec"});
   add_repr(m, "World", {"time_s", "frame_index"});
 }

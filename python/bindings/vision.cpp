@@ -209,6 +209,8 @@ PYBIND11_MODULE(vision, m) {
       .def_property_readonly("rejected", exclusive([](const LeaderObserver& observer) { return observer.rejected(); }),
                              "a copy of the counters");
 
+  make_value(m, "LeaderObserverConfig");
+  make_results<Detections, Appearance, TagMeasurement, RejectionCounters, ObservationResult, LeaderPose>();
   add_reprs(m, {"Detections", "Appearance", "TagMeasurement", "LeaderObserverConfig", "RejectionCounters",
                 "ObservationResult"});
   add_repr(m, "TagFamily", {"size", "bits"});

@@ -212,7 +212,7 @@ def test_a_setpoint_below_the_stop_distance_is_refused_at_load_and_later():
 
 def test_a_stop_is_taken_whatever_else_the_message_says():
     robot, _ = tracking_coordinator()
-    assert robot.set_setpoint(core.Setpoint(distance_m=math.nan, run=False))
+    assert robot.set_setpoint(core.Setpoint.unchecked(distance_m=math.nan, run=False))
     assert not robot.setpoint.run and robot.setpoint.distance_m == CONFIG.setpoint.distance_m
     assert robot.command_at(FRAMES[-1].utime).command == STILL
 
