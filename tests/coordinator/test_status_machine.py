@@ -160,7 +160,7 @@ def test_a_stop_and_a_run_between_two_frames_leave_nothing_to_drive_on():
 @pytest.mark.parametrize("change", [{"distance_m": math.nan}, {"distance_m": -1.0}, {"bearing_rad": math.inf}])
 def test_a_setpoint_out_of_range_is_refused_and_the_old_one_stays(change):
     robot = fresh()
-    assert not robot.set_setpoint(core.Setpoint(**change))
+    assert not robot.set_setpoint(core.Setpoint.unchecked(**change))
     assert robot.setpoint.distance_m == CONFIG.setpoint.distance_m
     assert robot.setpoint.bearing_rad == CONFIG.setpoint.bearing_rad
 
