@@ -18,6 +18,10 @@ function(pilotfish_install_module module)
   file(WRITE ${package_build}/pilotfish-${module}-needs.cmake
        "set(pilotfish_modules_below_${module} ${MODULES})\nset(pilotfish_needs_${module} ${dependencies})\n")
 
+  set(postfix)
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+    set(postfix ${pilotfish_debug_postfix})
+  endif()
   set(requires)
   set(threads)
   foreach(below IN LISTS MODULES)
@@ -35,7 +39,7 @@ function(pilotfish_install_module module)
   file(WRITE ${package_build}/pilotfish-${module}.pc
        "prefix=\${pcfiledir}/${pc_to_prefix}\nlibdir=\${prefix}/${CMAKE_INSTALL_LIBDIR}\nincludedir=\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}\n\n"
        "Name: pilotfish-${module}\nDescription: ${PROJECT_DESCRIPTION}: module ${module}\nVersion: ${PROJECT_VERSION}\n"
-       "Requires: ${requires}\nLibs: -L\${libdir} -lpilotfish_${module}${threads}\nCflags: -I\${includedir}\n")
+       "Requires: ${requires}\nLibs: -L\${libdir} -lpilotfish_${module}${postfix}${threads}\nCflags: -I\${includedir}\n")
 
   install(TARGETS pilotfish_${module} EXPORT pilotfish-${module}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)

@@ -14,6 +14,7 @@
 # although all headers lie below one include/ folder, every module gets a folder of its own in the build tree,
 # <build>/modules/<module>/pilotfish/<module>, that links to its headers and nothing else.
 include(PilotfishDependencies)
+set(pilotfish_debug_postfix d)  # so that both kinds of build can be installed into one place
 
 function(pilotfish_module module)
   cmake_parse_arguments(arg "" "" "MODULES;PUBLIC;PRIVATE;OPTIONAL" ${ARGN})
@@ -59,13 +60,59 @@ macro(pilotfish_require name for)
   set(pilotfish_missing)
   pilotfish_depend(${name} ${for})
   if(pilotfish_missing)
-    message(FATAL_ERROR "${pilotfish_missing}\nTo build only what does without it, name the modules: "
-                        "-D PILOTFISH_COMPONENTS=\"fuzzy;vision\" (docs/library.md)")
+    pilotfish_modules_without(${name} pilotfish_others)
+    if(pilotfish_others AND "${for}" MATCHES "^module ")
+      string(APPEND pilotfish_missing "\nThese modules do without it, name those you want: "
+                                      "-D PILOTFISH_COMPONENTS=\"${pilotfish_others}\" (docs/library.md)")
+    endif()
+    message(FATAL_ERROR "${pilotfish_missing}")
   endif()
 endmacro()
 
+# The modules that need no dependency of that name, neither for themselves nor for those they stand on. What is optional
+# comes only where it is asked for.
+function(pilotfish_modules_without name result)
+  set(others)
+  get_property(modules GLOBAL PROPERTY pilotfish_modules)
+  foreach(module IN LISTS modules)
+    get_property(below GLOBAL PROPERTY pilotfish_${module}_MODULES)
+    set(without TRUE)
+    get_property(optional GLOBAL PROPERTY pilotfish_${module}_OPTIONAL)
+    foreach(kind IN ITEMS PUBLIC PRIVATE)
+      get_property(needs GLOBAL PROPERTY pilotfish_${module}_${kind})
+      foreach(need IN LISTS needs)
+        if(NOT need IN_LIST optional AND pilotfish_package_${need} STREQUAL pilotfish_package_${name})
+          set(without FALSE)
+        endif()
+      endforeach()
+    endforeach()
+    foreach(each IN LISTS below)  # declared before
+      if(NOT each IN_LIST others)
+        set(without FALSE)
+      endif()
+    endforeach()
+    if(without)
+      list(APPEND others ${module})
+    endif()
+  endforeach()
+  set(${result} "${others}" PARENT_SCOPE)
+endfunction()
+
+# What is built besides the modules needs them: said here, instead of by the compiler.
+function(pilotfish_needs_modules option what)
+  set(absent ${ARGN})
+  list(REMOVE_ITEM absent ${PILOTFISH_MODULES})
+  if(${option} AND absent)
+    message(FATAL_ERROR "${what} (${option}) need modules that PILOTFISH_COMPONENTS leaves out: ${absent}\n"
+                        "Leave out -D ${option}=ON, or -D PILOTFISH_COMPONENTS")
+  endif()
+endfunction()
+
 # The wanted modules and those they stand on, in the order of their declaration.
 function(pilotfish_closure wanted result)
+  if(NOT wanted)
+    message(FATAL_ERROR "PILOTFISH_COMPONENTS names no module; leave it out for all of them")
+  endif()
   get_property(modules GLOBAL PROPERTY pilotfish_modules)
   foreach(module IN LISTS wanted)
     if(NOT module IN_LIST modules)
@@ -73,6 +120,7 @@ function(pilotfish_closure wanted result)
       message(FATAL_ERROR "PILOTFISH_COMPONENTS: there is no '${module}'; choose from ${there_is}")
     endif()
   endforeach()
+  set(closure)  # a list of that name may be in the scope of a project that includes this one; so below
   list(REVERSE modules)
   foreach(module IN LISTS modules)
     if(module IN_LIST wanted)
@@ -85,6 +133,7 @@ function(pilotfish_closure wanted result)
 endfunction()
 
 function(pilotfish_targets_of names result)
+  set(targets)
   foreach(name IN LISTS names)
     list(APPEND targets ${pilotfish_targets_${name}})
   endforeach()
@@ -102,6 +151,7 @@ function(pilotfish_add_library module)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/include/pilotfish/api.hpp ${view}/pilotfish/api.hpp SYMBOLIC)
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${module}/*.cpp)
   get_property(options GLOBAL PROPERTY pilotfish_${module}_OPTIONAL)
+  set(definitions)
   foreach(name IN LISTS options)
     if(name IN_LIST PRIVATE)
       file(GLOB more CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${module}/${name}/*.cpp)
@@ -112,7 +162,8 @@ function(pilotfish_add_library module)
   endforeach()
   pilotfish_targets_of("${PUBLIC}" public_targets)
   pilotfish_targets_of("${PRIVATE}" private_targets)
-  list(TRANSFORM MODULES PREPEND pilotfish_ OUTPUT_VARIABLE below)
+  set(below ${MODULES})
+  list(TRANSFORM below PREPEND pilotfish_)
   add_library(${target} ${sources})
   target_compile_definitions(${target} PRIVATE ${definitions})
   add_library(pilotfish::${module} ALIAS ${target})
@@ -127,7 +178,7 @@ function(pilotfish_add_library module)
   # Before 1.0 every minor version may change the interface, so the name of the shared library carries it.
   set_target_properties(${target} PROPERTIES
     POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX EXPORT_NAME ${module}
-    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON DEBUG_POSTFIX "${pilotfish_debug_postfix}"
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 endfunction()
 

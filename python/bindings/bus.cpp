@@ -3,6 +3,7 @@
 #include <pybind11/functional.h>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
 #include "pilotfish/bus/log_reader.hpp"
 #include "repr.hpp"
 
@@ -287,19 +288,20 @@ PYBIND11_MODULE(bus, m) {
            Release(),
            "path: a file written by lcm-logger; channel: of its images. BusError if it cannot be read as a log or has "
            "nothing on that channel.")
-      .def("next", &LogReader::next, Release(), "The next Frame (0 x 0 if corrupt), None at the end.")
-      .def("__len__", &LogReader::size)
-      .def_property_readonly("damaged", &LogReader::damaged, "damaged places in the file that were skipped")
+      .def("next", python::exclusive_unlocked(&LogReader::next), "The next Frame (0 x 0 if corrupt), None at the end.")
+      .def("__len__", python::exclusive(&LogReader::size))
+      .def_property_readonly("damaged", python::exclusive(&LogReader::damaged),
+                             "damaged places in the file that were skipped")
       .def("__iter__", [](py::object self) { return self; })
-      .def("__next__", [](LogReader& reader) {
-        std::optional<Frame> frame;
-        {
-          const py::gil_scoped_release release;
-          frame = reader.next();
-        }
-        if (!frame) throw py::stop_iteration();
-        return *frame;
-      });
+      .def("__next__", python::exclusive([](LogReader& reader) {
+             std::optional<Frame> frame;
+             {
+               const py::gil_scoped_release release;
+               frame = reader.next();
+             }
+             if (!frame) throw py::stop_iteration();
+             return *frame;
+           }));
 
   python::add_reprs(m, {"CommandReport", "SetpointReport", "BaseReport", "StageReport", "ObservationReport",
                         "StatusReport", "PoseReport", "MotionReport", "EncodedImage"});

@@ -1,9 +1,12 @@
 #include "arrays.hpp"
+#include "exclusive.hpp"
 #include "pilotfish/capture/frame_source.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
 using namespace pilotfish::capture;
+using python::exclusive;
+using python::exclusive_unlocked;
 
 PYBIND11_MODULE(capture, m) {
   m.doc() = "Camera, video file, image folder: sources of frames.";
@@ -13,26 +16,27 @@ PYBIND11_MODULE(capture, m) {
       "A source cannot be opened; the message says why and what to do.";
 
   py::class_<FrameSource>(m, "FrameSource", "Pictures, one after the other; iterate, or call next().")
-      .def("next", &FrameSource::next, py::call_guard<py::gil_scoped_release>(),
+      .def("next", exclusive_unlocked(&FrameSource::next),
            "The next Frame (0 x 0 if the picture cannot be decoded). None: it has ended, or it is live and none came "
            "within 0.25 s.")
-      .def_property_readonly("ended", &FrameSource::ended, "True if there will be no more frames")
-      .def_property_readonly("why_ended", &FrameSource::why_ended, "A line for the log; empty while it has not")
-      .def_property_readonly("live", &FrameSource::live, "True if frames come whether or not anyone asks")
-      .def("describe", &FrameSource::describe, "One line for the log")
+      .def_property_readonly("ended", exclusive(&FrameSource::ended), "True if there will be no more frames")
+      .def_property_readonly("why_ended", exclusive(&FrameSource::why_ended),
+                             "A line for the log; empty while it has not")
+      .def_property_readonly("live", exclusive(&FrameSource::live), "True if frames come whether or not anyone asks")
+      .def("describe", exclusive(&FrameSource::describe), "One line for the log")
       .def("__iter__", [](py::object self) { return self; })
-      .def("__next__", [](FrameSource& source) {
-        while (true) {
-          std::optional<Frame> frame;
-          {
-            const py::gil_scoped_release release;
-            frame = source.next();
-          }
-          if (frame) return *frame;
-          if (source.ended()) throw py::stop_iteration();
-          if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // Ctrl-C while a camera is silent
-        }
-      });
+      .def("__next__", exclusive([](FrameSource& source) {
+             while (true) {
+               std::optional<Frame> frame;
+               {
+                 const py::gil_scoped_release release;
+                 frame = source.next();
+               }
+               if (frame) return *frame;
+               if (source.ended()) throw py::stop_iteration();
+               if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // Ctrl-C while a camera is silent
+             }
+           }));
 
   py::list suffixes;
   for (const std::string_view suffix : kPictureSuffixes) suffixes.append(std::string(suffix));

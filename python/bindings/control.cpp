@@ -1,10 +1,10 @@
-#include <limits>
-#include <map>
 #include <memory>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
+#include "python_law.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
@@ -164,14 +164,6 @@ void bind_anticipation(py::module_& m) {
         py::arg("wanted"), "The nearest twist that keeps the leader in the picture.");
 }
 
-using LawValues = std::map<std::string, double>;
-
-LawValues values_of(const LawDescription& law) {
-  LawValues values;
-  for (const LawParameter& each : law.parameters) values[each.key] = each.value;
-  return values;
-}
-
 const LawDescription& named(const FollowerConfig& config, const std::string& law) {
   for (const LawDescription& each : config.laws)
     if (each.name == law) return each;
@@ -185,39 +177,11 @@ void set_laws(FollowerConfig& config, const std::vector<LawDescription>& laws) {
   config.laws = laws;
 }
 
-/// A law written in Python: an object with follow(observation, setpoint, dt_s) -> Twist and, if it remembers anything,
-/// restart(). What it raises is printed, and the robot stands still.
-class PythonLaw final : public Law {
- public:
-  explicit PythonLaw(py::object law) : law_(std::move(law)) {}
-  ~PythonLaw() override {
-    const py::gil_scoped_acquire gil;
-    law_ = py::object();
-  }
-  Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept override {
-    const py::gil_scoped_acquire gil;
-    try {
-      return law_.attr("follow")(observation, setpoint, dt_s).cast<Twist>();
-    } catch (py::error_already_set& error) {
-      error.discard_as_unraisable("follow() of a law");
-    } catch (const std::exception& error) {
-      py::print("follow() of a law:", error.what(), py::arg("file") = py::module_::import("sys").attr("stderr"));
-    }
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    return {kNone, kNone};
-  }
-  void restart() noexcept override {
-    const py::gil_scoped_acquire gil;
-    try {
-      if (py::hasattr(law_, "restart")) law_.attr("restart")();
-    } catch (py::error_already_set& error) {
-      error.discard_as_unraisable("restart() of a law");
-    }
-  }
-
- private:
-  py::object law_;
-};
+decltype(LawDescription::make) make_of_built_in(const std::string& name) {
+  for (const LawDescription& law : built_in_laws())
+    if (law.name == name) return law.make;
+  throw ConfigError("control." + name, "is not built in: say how to make it");
+}
 
 void bind_laws(py::module_& m) {
   py::class_<LawParameter>(m, "LawParameter", "A number in the configuration's section control.<law>.")
@@ -233,25 +197,29 @@ void bind_laws(py::module_& m) {
       .def_readonly("text", &LawParameter::text, "one sentence for the documentation");
   py::class_<LawDescription>(m, "LawDescription",
                              "A law as the configuration, the command line and the documentation know it.")
-      .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
-             check_own_law_name(name);
-             const auto made = [make = std::move(make)](const std::vector<LawParameter>& values,
-                                                        const LimitsConfig& limits) -> std::unique_ptr<Law> {
-               LawDescription law{"", "", values, nullptr};
-               return std::make_unique<PythonLaw>(make(values_of(law), limits));
-             };
-             return LawDescription{std::move(name), std::move(text), std::move(parameters), made};
+      .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters,
+                       const std::optional<py::function>& make) {
+             if (make) check_own_law_name(name);
+             LawDescription law{name, std::move(text), std::move(parameters), nullptr};
+             law.make = make ? PythonMaker{name, *make} : make_of_built_in(name);
+             return law;
            }),
            py::kw_only(), py::arg("name"), py::arg("text"), py::arg("parameters") = std::vector<LawParameter>{},
            py::arg("make"),
            "make({parameter: value}, limits) returns the law: an object with follow(observation, setpoint, dt_s) -> "
            "Twist "
-           "and, if it remembers anything, restart(). ConfigError (key `law`) if the name is that of another law or of "
-           "a "
-           "section of the configuration's `control`.")
+           "and, if it remembers anything, restart(). None: the built-in law of that name. ConfigError (key `law`) if "
+           "the name is that of another law or of a section of the configuration's `control`.")
       .def_readonly("name", &LawDescription::name, "one word, as in `law: pid`")
       .def_readonly("text", &LawDescription::text, "one line for lists")
-      .def_readonly("parameters", &LawDescription::parameters, "list of LawParameter, a copy");
+      .def_readonly("parameters", &LawDescription::parameters, "list of LawParameter, a copy")
+      .def_property_readonly(
+          "make",
+          [](const LawDescription& law) -> std::optional<py::function> {
+            const PythonMaker* const maker = law.make.target<PythonMaker>();
+            return maker != nullptr ? std::optional(maker->make) : std::nullopt;
+          },
+          "what makes it, or None of a law that is built in");
   m.def("built_in_laws", &built_in_laws, "The laws that come with Pilotfish, beside the fuzzy one.");
   m.attr("FUZZY_LAW") = kFuzzyLaw;
 }
@@ -334,7 +302,10 @@ PYBIND11_MODULE(control, m) {
       .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")
-      .def_readonly("command", &FollowerOutput::command, "Twist within the limits")
+      .def_readonly("command", &FollowerOutput::command, "Twist within the limits; zero unless reason is none")
+      .def_readonly(
+          "reason", &FollowerOutput::reason,
+          "Reason.law_not_finite if the law's twist, the measurement or the setpoint was no number, else none")
       .def_readonly(
           "velocity", &FollowerOutput::velocity,
           "VelocityCommand: the fuzzy law on the measured error or, where it anticipates, on the predicted one")
@@ -347,17 +318,24 @@ PYBIND11_MODULE(control, m) {
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"), "ConfigError names the parameter that is out of range.")
-      .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"),
+      .def("follow", exclusive([](Follower& follower, const Observation& observation, const Setpoint& setpoint) {
+             return raising_law_exceptions([&] { return follower.follow(observation, setpoint); });
+           }),
+           py::arg("observation"), py::arg("setpoint"),
            "FollowerOutput for an Observation and a Setpoint; the time since the last call is that between the "
-           "observations.")
-      .def("set_ego_motion", &Follower::set_ego_motion, py::arg("utime"), py::arg("twist"),
+           "observations. Of what a law written in Python raises, only what is no Exception (KeyboardInterrupt, "
+           "SystemExit) comes out here.")
+      .def("set_ego_motion", exclusive(&Follower::set_ego_motion), py::arg("utime"), py::arg("twist"),
            "The own Twist as odometry measured it at utime [us]. False, and nothing changes, if it cannot be used. "
            "Profile `anticipate` alone listens.")
-      .def("set_leader_intent", &Follower::set_leader_intent, py::arg("utime"), py::arg("twist"),
+      .def("set_leader_intent", exclusive(&Follower::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
            "used. Profile `anticipate` alone listens.")
-      .def("restart", &Follower::restart, py::arg("since_utime"),
-           "Forget the past: from then on the robot is told to stand still.");
+      .def("restart", exclusive([](Follower& follower, std::int64_t since_utime) {
+             follower.restart(since_utime);
+             raise_law_exception();
+           }),
+           py::arg("since_utime"), "Forget the past: from then on the robot is told to stand still.");
 
   m.def("heading_turn_rate", &heading_turn_rate, py::arg("config"), py::arg("bearing_rad"),
         py::arg("bearing_setpoint_rad"), "Turn rate [rad/s], positive to the left.");
@@ -367,6 +345,13 @@ PYBIND11_MODULE(control, m) {
         py::arg("distance_m"), py::arg("previous_error_m"), py::arg("dt_s"), py::arg("distance_sigma_m") = 0.0,
         "The paper's law on one distance; previous_error_m may be None.");
 
+  make_value(m, "LeaderEstimate", {"mean", "covariance"});
+  make_value(m, "FieldOfView", {"right_rad", "left_rad"});
+  make_value(m, "LeaderMotion");
+  make_value(m, "LawParameter", {"key", "value", "min", "max", "text"});
+  make_value(m, "LawDescription", {"name", "text", "parameters", "make"});
+  make_value(m, "FollowerConfig", {"law", "laws", "active_law"});
+  make_results<Anticipation, VelocityCommand, FollowerOutput>();
   add_reprs(m, {"LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
                 "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});

@@ -3,6 +3,8 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
+#include "law_exception.hpp"
 #include "parameters.hpp"
 #include "pilotfish/config/bundle.hpp"
 #include "pilotfish/config/describe.hpp"
@@ -166,53 +168,62 @@ PYBIND11_MODULE(coordinator, m) {
                           "time at which the frame arrives.")
       .def(py::init<const CoordinatorConfig&>(), py::arg("config"),
            "ConfigError (a ValueError) names the parameter that is out of range.")
-      .def(
-          "step",
-          [](Coordinator& coordinator, const Frame& frame, std::int64_t now_us) {
-            return coordinator.step(frame, {now_us});
-          },
-          py::arg("frame"), py::arg("now_us"), py::call_guard<py::gil_scoped_release>(),
-          "now_us: when the frame arrived, however long it waited for this call.")
-      .def(
-          "step_observation",
-          [](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
-             std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
-            return coordinator.step_observation(utime, {observation, observation ? Reason::none : reason}, {now_us},
-                                                known_age_us);
-          },
-          "step() without the vision: what was seen in the frame of that time, or None and why.", py::arg("utime"),
-          py::arg("observation"), py::arg("now_us"),
-          py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
-      .def(
-          "command_at",
-          [](const Coordinator& coordinator, std::int64_t now_us, Reason reason) {
-            return coordinator.command_at({now_us}, reason);
-          },
-          py::arg("now_us"), py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
-          "What holds then if no newer frame has come; changes nothing.")
-      .def_property_readonly("held", &Coordinator::held,
+      .def("step", exclusive([](Coordinator& coordinator, const Frame& frame, std::int64_t now_us) {
+             return raising_law_exceptions([&] {
+               const py::gil_scoped_release unlocked;
+               return coordinator.step(frame, {now_us});
+             });
+           }),
+           py::arg("frame"), py::arg("now_us"), "now_us: when the frame arrived, however long it waited for this call.")
+      .def("step_observation",
+           exclusive([](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
+                        std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
+             return raising_law_exceptions([&] {
+               return coordinator.step_observation(utime, {observation, observation ? Reason::none : reason}, {now_us},
+                                                   known_age_us);
+             });
+           }),
+           "step() without the vision: what was seen in the frame of that time, or None and why.", py::arg("utime"),
+           py::arg("observation"), py::arg("now_us"),
+           py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
+      .def("command_at", exclusive([](const Coordinator& coordinator, std::int64_t now_us, Reason reason) {
+             return coordinator.command_at({now_us}, reason);
+           }),
+           py::arg("now_us"), py::arg_v("reason", Reason::no_frame, "pilotfish.core.Reason.no_frame"),
+           "What holds then if no newer frame has come; changes nothing.")
+      .def_property_readonly("held", exclusive([](const Coordinator& c) { return c.held(); }),
                              "HeldCommand: the last command, until its measurement is too old")
-      .def_property_readonly("clock_epochs", &Coordinator::clock_epochs, "How often the source's clock was set.")
-      .def("set_setpoint", &Coordinator::set_setpoint, py::arg("setpoint"),
-           "False, and the old one stays, if a number is out of range or not finite.")
-      .def("set_ego_motion", &Coordinator::set_ego_motion, py::arg("utime"), py::arg("twist"),
+      .def_property_readonly("clock_epochs", exclusive(&Coordinator::clock_epochs),
+                             "How often the source's clock was set.")
+      .def("set_setpoint", exclusive([](Coordinator& coordinator, const Setpoint& setpoint) {
+             return raising_law_exceptions([&] { return coordinator.set_setpoint(setpoint); });
+           }),
+           py::arg("setpoint"), "False, and the old one stays, if a number is out of range or not finite.")
+      .def("set_ego_motion", exclusive(&Coordinator::set_ego_motion), py::arg("utime"), py::arg("twist"),
            "The own twist as odometry measured it; False if it cannot be used.")
-      .def("set_leader_intent", &Coordinator::set_leader_intent, py::arg("utime"), py::arg("twist"),
+      .def("set_leader_intent", exclusive(&Coordinator::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The twist the leader announces of itself; False if it cannot be used.")
       .def_property(
-          "memory",
-          [](const Coordinator& coordinator) {
+          "memory", exclusive([](const Coordinator& coordinator) {
             const CoordinatorMemory memory = coordinator.memory();
             return std::make_pair(to_bytes(memory.decisions), to_bytes(memory.vision));
-          },
-          [](Coordinator& coordinator, const std::pair<py::bytes, py::bytes>& memory) {
+          }),
+          exclusive([](Coordinator& coordinator, const std::pair<py::bytes, py::bytes>& memory) {
             if (!coordinator.set_memory({from_bytes(memory.first), from_bytes(memory.second)}))
               throw py::value_error("that is no memory of a coordinator of this program");
-          },
+          }),
           "(bytes, bytes): what its decisions and its vision remember, for another one of the same configuration.")
-      .def_property_readonly("setpoint", &Coordinator::setpoint, "Setpoint that is kept")
-      .def_property_readonly("rejected", &Coordinator::rejected, "RejectionCounters of the observer since the start");
+      .def_property_readonly("setpoint", exclusive([](const Coordinator& c) { return c.setpoint(); }),
+                             "Setpoint that is kept")
+      .def_property_readonly("rejected", exclusive([](const Coordinator& c) { return c.rejected(); }),
+                             "RejectionCounters of the observer since the start");
 
+  make_value(m, "CoordinatorConfig");
+  make_value(m, "ConfigOverrides", {"law", "profile", "tuning"});
+  make_value(m, "ConfigText", {"role", "name", "text"});
+  make_value(m, "ConfigBundle", {"files", "overrides"});
+  make_value(m, "HeldCommand", {"utime", "command", "from_us", "until_us", "holding", "run", "ever_measured"});
+  make_results<StepResult, config::CoordinatorFile>();
   add_reprs(m, {"ConfigOverrides", "ConfigText", "ConfigBundle", "CoordinatorFile", "StepResult", "HeldCommand",
                 "TelemetryField"});
   add_repr(m, "CoordinatorConfig", {"camera", "mounting", "leader", "setpoint", "safety", "vision", "control"});

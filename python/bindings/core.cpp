@@ -91,19 +91,18 @@ PYBIND11_MODULE(core, m) {
            "linear_mps: forward speed [m/s]; angular_radps: turn rate [rad/s], positive to the left. Not checked here.")
       .def_readwrite("linear_mps", &Twist::linear_mps, "forward speed [m/s], in the robot's base frame")
       .def_readwrite("angular_radps", &Twist::angular_radps, "turn rate [rad/s], positive: to the left")
-      .def("__eq__", [](const Twist& a, const Twist& b) { return a == b; });
+      .def(
+          "__eq__", [](const Twist& a, const Twist& b) { return a == b; }, py::is_operator());
 
-  py::class_<Setpoint>(m, "Setpoint", "What to keep: distance_m (d_p), bearing_rad (theta_pd); run=False stands still.")
-      .def(py::init([](double distance_m, double bearing_rad, bool run) {
-             return Setpoint{distance_m, bearing_rad, run};
-           }),
-           py::kw_only(), py::arg("distance_m") = 1.0, py::arg("bearing_rad") = 0.0, py::arg("run") = true,
-           "distance_m: d_p [m]; bearing_rad: theta_pd [rad], positive to the left; run: False stands still. Checked "
-           "where it is used.")
-      .def_readwrite("distance_m", &Setpoint::distance_m, "d_p of the paper [m], between the two robots' base origins")
-      .def_readwrite("bearing_rad", &Setpoint::bearing_rad,
-                     "theta_pd of the paper [rad], within +-MAX_BEARING_RAD; positive: the leader is kept to the left")
-      .def_readwrite("run", &Setpoint::run, "False: stand still, keep looking");
+  bind_parameters<Setpoint>(m, "Setpoint",
+                            "What to keep: distance_m (d_p), bearing_rad (theta_pd); run=False stands still.")
+      .def_static(
+          "unchecked",
+          [](double distance_m, double bearing_rad, bool run) {
+            return Setpoint{distance_m, bearing_rad, run};
+          },
+          py::kw_only(), py::arg("distance_m") = 1.0, py::arg("bearing_rad") = 0.0, py::arg("run") = true,
+          "A setpoint whose numbers need not be in range, as it might come off a wire; a coordinator must refuse it.");
   m.attr("MAX_BEARING_RAD") = kMaxBearing_rad;  // of a setpoint, to either side
   bind_session_guard(m);
 
@@ -154,7 +153,17 @@ PYBIND11_MODULE(core, m) {
           "(H, W) uint8, a copy")
       .def_property_readonly(
           "defect", [](const Frame& frame) { return check(frame.image); },
-          "Reason.none if the pixels can be read safely");
+          "Reason.none if the pixels can be read safely")
+      .def(
+          "__eq__",
+          [](const Frame& a, const Frame& b) {
+            if (&a == &b) return true;
+            if (a.utime != b.utime || a.known_age_us != b.known_age_us || a.coarse_search != b.coarse_search)
+              return false;
+            return check(a.image) == Reason::none && check(b.image) == Reason::none &&
+                   are_equal(to_array(a.image), to_array(b.image));
+          },
+          py::is_operator(), "Of one time, with the same pixels.");
 
   py::class_<CameraModel>(
       m, "CameraModel",
@@ -346,8 +355,19 @@ PYBIND11_MODULE(core, m) {
       },
       "(distance_m, bearing_rad, heading_rad) of a leader whose base has the pose bMo (4, 4).", py::arg("bMo"));
 
-  add_reprs(m, {"Twist", "Setpoint", "SetpointDecision", "CameraModel", "LeaderBody", "TagDetection", "SequenceGuard",
-                "SetpointGate"});
+  make_value(m, "LeaderBody", {"tags", "family", "name"});
+  make_value(m, "CameraModel", {"width", "height", "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"});
+  make_value(m, "TagDetection", {"id", "corners_px", "hamming", "decision_margin"});
+  make_value(m, "RelativeMeasurement", {"distance_m", "bearing_rad", "heading_rad", "covariance"});
+  make_value(
+      m, "Observation",
+      {"utime", "distance_m", "bearing_rad", "heading_rad", "covariance", "tags", "measured", "heading_ambiguity",
+       "cMo", "other_cMo", "ambiguity_ratio", "reprojection_error_px", "min_decision_margin", "found_by"});
+  add_copies(m.attr("Twist"));
+  add_copies(m.attr("Frame"), {"image", "utime"});
+  make_results<SetpointDecision>();
+  add_reprs(
+      m, {"Twist", "SetpointDecision", "CameraModel", "LeaderBody", "TagDetection", "SequenceGuard", "SetpointGate"});
   add_repr(m, "Frame", {"utime", "width", "height"});
   add_repr(m, "RelativeMeasurement", {"distance_m", "bearing_rad", "heading_rad"});
   add_repr(m, "Observation",

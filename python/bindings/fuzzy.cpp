@@ -11,6 +11,7 @@
 #include "pilotfish/fuzzy/centroid.hpp"
 #include "pilotfish/fuzzy/explain.hpp"
 #include "repr.hpp"
+#include "values.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish::fuzzy;
@@ -319,6 +320,16 @@ PYBIND11_MODULE(fuzzy, m) {
         "Reads and validates data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
         py::arg("path"));
 
+  using pilotfish::python::make_value;
+  make_value(m, "Triangle", {"a", "b", "c"});
+  make_value(m, "Trapezoid", {"a", "b", "c", "d"});
+  make_value(m, "Gaussian", {"mean", "sigma"});
+  make_value(m, "Term", {"label", "set"});
+  make_value(m, "LinguisticVariable", {"name", "terms", "min", "max"});
+  make_value(m, "RuleBase", {"consequents"});
+  make_value(m, "Controller", {"name", "error", "error_change", "output", "rules"});
+  make_value(m, "InputWidths", {"error", "error_change", "shape"});
+  pilotfish::python::make_results<Inference, Moments, FiringRule, Explanation>();
   using pilotfish::python::add_repr;
   add_repr(m, "LinguisticVariable", {"name", "min", "max", "labels"});
   add_repr(m, "RuleBase", {"rows", "columns"});

@@ -2,7 +2,7 @@
 
 // A config struct in Python, made from its table of parameters and its list of sections: keyword-only constructor with
 // the C++ defaults, attributes with the tables' texts and bounds as docstrings, a range check at every assignment that
-// raises pilotfish.ConfigError, a readable repr.
+// raises pilotfish.ConfigError, a readable repr, and what values.hpp gives.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -13,6 +13,7 @@
 
 #include "pilotfish/core/sections.hpp"
 #include "repr.hpp"
+#include "values.hpp"
 
 namespace pilotfish::python {
 
@@ -118,6 +119,7 @@ py::class_<Config> bind_parameters(py::module_& module, const char* name, const 
       if (!part.empty()) fields.push_back(part);
     });
   binding.def("__repr__", [fields](const py::object& self) { return repr_of(self, fields); });
+  make_value(binding);
   return binding;
 }
 

@@ -2,6 +2,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/config/scenario_file.hpp"
 #include "pilotfish/sim/awaited_answers.hpp"
@@ -174,33 +175,31 @@ void bind_world(py::module_& m) {
   py::class_<World>(m, "World", "The world of a scenario. It has no clock: it is advanced.")
       .def(py::init<Scenario>(), py::arg("scenario"),
            "ValueError (ConfigError) names the key if the scenario is not valid.")
-      .def_property_readonly("scenario", &World::scenario, py::return_value_policy::copy,
+      .def_property_readonly("scenario", exclusive([](const World& world) { return world.scenario(); }),
                              "a copy of the Scenario it plays")
-      .def_property_readonly("time_s", &World::time_s, "present time [s], 0 at the start")
-      .def_property_readonly("utime", &World::utime, "present time on the frames' clock [us]: START_UTIME at the start")
-      .def_property_readonly("frame_index", &World::frame_index,
+      .def_property_readonly("time_s", exclusive(&World::time_s), "present time [s], 0 at the start")
+      .def_property_readonly("utime", exclusive(&World::utime),
+                             "present time on the frames' clock [us]: START_UTIME at the start")
+      .def_property_readonly("frame_index", exclusive(&World::frame_index),
                              "number of the exposure that belongs to the present time: round(time_s * frame_rate_hz)")
-      .def("command", &World::command, "What the robot is told from effective_time_s on; False if refused.",
+      .def("command", exclusive(&World::command), "What the robot is told from effective_time_s on; False if refused.",
            py::arg("robot"), py::arg("twist"), py::arg("effective_time_s"))
-      .def("advance_to", &World::advance_to, py::arg("time_s"), py::call_guard<py::gil_scoped_release>(),
+      .def("advance_to", exclusive_unlocked(&World::advance_to), py::arg("time_s"),
            "Moves everybody on to time_s [s]. A time in the past changes nothing.")
-      .def("state", &World::state, py::arg("robot"),
+      .def("state", exclusive(&World::state), py::arg("robot"),
            "UnicycleState of a robot now. IndexError on a name that the scenario does not have.")
-      .def("command_in_effect", &World::command_in_effect, py::arg("robot"), py::arg("time_s"),
+      .def("command_in_effect", exclusive(&World::command_in_effect), py::arg("robot"), py::arg("time_s"),
            "Twist that acts at time_s [s], not in the past, if no other command comes before. IndexError on a name "
            "that the scenario does not have.")
-      .def(
-          "true_cMo", [](const World& world, const std::string& robot) { return to_array(world.true_cMo(robot)); },
-          "(4, 4): the leader's base in the robot's camera frame", py::arg("robot"))
-      .def(
-          "true_relative_pose",
-          [](const World& world, const std::string& robot) {
-            const RelativePose pose = world.true_relative_pose(robot);
-            return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
-          },
-          "(distance_m, bearing_rad, heading_rad) of the leader", py::arg("robot"))
-      .def("capture", &World::capture, "Frame, or None if this one is dropped.", py::arg("robot"),
-           py::call_guard<py::gil_scoped_release>());
+      .def("true_cMo",
+           exclusive([](const World& world, const std::string& robot) { return to_array(world.true_cMo(robot)); }),
+           "(4, 4): the leader's base in the robot's camera frame", py::arg("robot"))
+      .def("true_relative_pose", exclusive([](const World& world, const std::string& robot) {
+             const RelativePose pose = world.true_relative_pose(robot);
+             return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
+           }),
+           "(distance_m, bearing_rad, heading_rad) of the leader", py::arg("robot"))
+      .def("capture", exclusive_unlocked(&World::capture), "Frame, or None if this one is dropped.", py::arg("robot"));
 }
 
 void bind_loop_parts(py::module_& m) {
@@ -250,6 +249,12 @@ PYBIND11_MODULE(sim, m) {
   bind_world(m);
   bind_loop_parts(m);
 
+  make_value(m, "Pose2", {"x_m", "y_m", "heading_rad"});
+  make_value(m, "Still");
+  make_value(m, "Line", {"profile"});
+  make_value(m, "Circle", {"radius_m", "clockwise", "profile"});
+  make_value(m, "FigureEight", {"half_length_m", "half_width_m", "profile"});
+  make_results<UnicycleState, CameraSpec, RobotSpec>();
   add_reprs(m, {"UnicycleState", "Line", "Circle", "FigureEight", "CameraSpec", "RobotSpec"});
   add_repr(m, "World", {"time_s", "frame_index"});
 }

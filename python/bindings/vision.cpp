@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "arrays.hpp"
+#include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
 #include "pilotfish/vision/tag_family.hpp"
@@ -73,14 +74,12 @@ PYBIND11_MODULE(vision, m) {
            py::arg("config") = TagDetectorConfig{},
            "family: a name that TagFamily knows. ConfigError on an unknown one or a parameter out of range.")
       .def_property_readonly("family_size", &TagDetector::family_size, "ids run from 0 to family_size - 1")
-      .def(
-          "detect",
-          [](TagDetector& detector, const py::array& image) {
-            const ImageView view = image_view(image);
-            py::gil_scoped_release unlocked;
-            return detector.detect(view);
-          },
-          "image: (H, W) uint8", py::arg("image"));
+      .def("detect", exclusive([](TagDetector& detector, const py::array& image) {
+             const ImageView view = image_view(image);
+             py::gil_scoped_release unlocked;
+             return detector.detect(view);
+           }),
+           "image: (H, W) uint8", py::arg("image"));
 
   bind_parameters<TagGates>(m, "TagGates", "Which tags are accepted once they have been found.");
   py::class_<Appearance>(m, "Appearance", "How a template looks in a picture.")
@@ -173,23 +172,25 @@ PYBIND11_MODULE(vision, m) {
            py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"),
            "camera: of the frames; mounting: camera on the coordinator's base; body: the leader's tags. ConfigError if "
            "any part is not usable.")
-      .def(
-          "observe", &LeaderObserver::observe, py::arg("frame"), py::call_guard<py::gil_scoped_release>(),
-          "The ObservationResult of a Frame. Never raises: a frame that cannot be used, or whose size differs from the "
-          "calibration's, gives the reason. Times come from frame.utime [us].")
-      .def("forget", &LeaderObserver::forget, "The next frame is looked at as if nothing had been seen before.")
-      .def_property(
-          "timed", [](const LeaderObserver& observer) { return observer.stages().runs(); },
-          [](LeaderObserver& observer, bool timed) { observer.time_stages(timed ? steady_now_ns : nullptr); },
-          "whether the stages of the next frames are timed, on this host's steady clock; False by default")
+      .def("observe", exclusive_unlocked(&LeaderObserver::observe), py::arg("frame"),
+           "The ObservationResult of a Frame. A frame that cannot be used, or whose size differs from the "
+           "calibration's, gives the reason. Times come from frame.utime [us].")
+      .def("forget", exclusive(&LeaderObserver::forget),
+           "The next frame is looked at as if nothing had been seen before.")
+      .def_property("timed", exclusive([](const LeaderObserver& observer) { return observer.stages().runs(); }),
+                    exclusive([](LeaderObserver& observer, bool timed) {
+                      observer.time_stages(timed ? steady_now_ns : nullptr);
+                    }),
+                    "whether the stages of the next frames are timed, on this host's steady clock; False by default")
       .def_property_readonly(
-          "stage_times_us", [](const LeaderObserver& observer) { return stage_times_us(observer.stages()); },
+          "stage_times_us", exclusive([](const LeaderObserver& observer) { return stage_times_us(observer.stages()); }),
           "{stage: [us]} of the last frame that could be used, all tags together: predict, detect, search, align, "
-          "read, "
-          "pose, heading. All zero unless timed.")
-      .def_property_readonly(
-          "rejected", [](const LeaderObserver& observer) { return observer.rejected(); }, "a copy of the counters");
+          "read, pose, heading. All zero unless timed.")
+      .def_property_readonly("rejected", exclusive([](const LeaderObserver& observer) { return observer.rejected(); }),
+                             "a copy of the counters");
 
+  make_value(m, "LeaderObserverConfig");
+  make_results<Detections, Appearance, TagMeasurement, RejectionCounters, ObservationResult, LeaderPose>();
   add_reprs(m, {"Detections", "Appearance", "TagMeasurement", "LeaderObserverConfig", "RejectionCounters",
                 "ObservationResult"});
   add_repr(m, "TagFamily", {"size", "bits"});

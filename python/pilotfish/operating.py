@@ -93,7 +93,7 @@ class Operator:
         give_up = time.monotonic() + within_s
         while self.sent < _STOPS_AT_LEAST or (not shows_it() and time.monotonic() < give_up):
             kept = self.status.setpoint if self.status else Setpoint()
-            self._send(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=False))
+            self._send(Setpoint.unchecked(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=False))
             self._wait(shows_it, _SEND_EVERY_S if self.sent >= _STOPS_AT_LEAST else 0.01)
         if self._statuses == heard:
             who = "only its wheels have" if self._bases > heard_bases and self._wheels_stopped() else "nobody has"
@@ -123,7 +123,8 @@ class Operator:
         if not (math.isfinite(distance_m) and math.isfinite(bearing_rad)):
             raise OperatorError("the distance and the bearing must be numbers")
         running = self.listen(within_s).setpoint.run
-        return self._ask(Setpoint(distance_m=distance_m, bearing_rad=bearing_rad, run=running), within_s)
+        asked = Setpoint.unchecked(distance_m=distance_m, bearing_rad=bearing_rad, run=running)  # it says why not
+        return self._ask(asked, within_s)
 
     def _ask(self, setpoint: Setpoint, within_s: float) -> StatusReport:
         before = self._status()

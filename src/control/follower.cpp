@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <utility>
 
 #include "pilotfish/core/angles.hpp"
@@ -19,6 +20,9 @@ namespace {
 
 /// A file says `law: NAME` and has a section control.NAME: so NAME must be neither another law's nor another section's.
 void check_is_no_other_word(std::string_view name) {
+  const auto fits = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  if (name.empty() || !std::all_of(name.begin(), name.end(), fits))
+    refuse_name(name, "is not one word of a to z, 0 to 9 and _");
   if (name == kFuzzyLaw) refuse_name(name, "is the fuzzy law");
   FollowerConfig::sections([&](std::string_view section, auto) {
     if (name == section) refuse_name(name, "is a section of the configuration's `control`");
@@ -28,11 +32,17 @@ void check_is_no_other_word(std::string_view name) {
 bool is_there(const std::vector<LawDescription>& laws, std::string_view name) {
   return std::any_of(laws.begin(), laws.end(), [&](const LawDescription& law) { return law.name == name; });
 }
+constexpr Twist kNoTwist{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
 
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
 /// it, and every law here takes the opposite for granted. So the robot turns to it first.
 Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
   return std::abs(bearing_rad) < kPi / 2.0 ? wanted : Twist{0.0, wanted.angular_radps};
+}
+
+bool are_finite(const Observation& observation, const Setpoint& setpoint) noexcept {
+  return std::isfinite(observation.distance_m) && std::isfinite(observation.bearing_rad) &&
+         std::isfinite(setpoint.distance_m) && std::isfinite(setpoint.bearing_rad);
 }
 
 }  // namespace
@@ -122,11 +132,16 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   FollowerOutput output;
-  const Twist wanted_twist = turn_first(wanted(observation, setpoint, dt_s, output), observation.bearing_rad);
-  output.command = limit(config_.limits, wanted_twist, last_command_, dt_s);
+  const Twist wanted_twist = are_finite(observation, setpoint) ? wanted(observation, setpoint, dt_s, output) : kNoTwist;
+  last_utime_ = observation.utime;
+  if (!is_finite(wanted_twist)) {
+    restart(observation.utime);
+    output.reason = Reason::law_not_finite;
+    return output;
+  }
+  output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_, dt_s);
 
   own_.command(output.command, acts_utime(observation.utime));
-  last_utime_ = observation.utime;
   last_error_m_ = setpoint.distance_m - observation.distance_m;
   last_command_ = output.command;
   return output;

@@ -119,9 +119,9 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   }
 
   const control::FollowerOutput control = follower_.follow(*sight.observation, setpoint_);
-  if (!is_finite(control.command)) {
+  if (control.reason != Reason::none) {
     rest(utime);
-    StepResult result = not_measured(utime, Reason::law_not_finite);
+    StepResult result = not_measured(utime, control.reason);
     result.observation = sight.observation;  // so that a recording has what made the law fail
     return result;
   }

@@ -160,7 +160,7 @@ def test_a_stop_and_a_run_between_two_frames_leave_nothing_to_drive_on():
 @pytest.mark.parametrize("change", [{"distance_m": math.nan}, {"distance_m": -1.0}, {"bearing_rad": math.inf}])
 def test_a_setpoint_out_of_range_is_refused_and_the_old_one_stays(change):
     robot = fresh()
-    assert not robot.set_setpoint(core.Setpoint(**change))
+    assert not robot.set_setpoint(core.Setpoint.unchecked(**change))
     assert robot.setpoint.distance_m == CONFIG.setpoint.distance_m
     assert robot.setpoint.bearing_rad == CONFIG.setpoint.bearing_rad
 
@@ -212,7 +212,7 @@ def test_a_setpoint_below_the_stop_distance_is_refused_at_load_and_later():
 
 def test_a_stop_is_taken_whatever_else_the_message_says():
     robot, _ = tracking_coordinator()
-    assert robot.set_setpoint(core.Setpoint(distance_m=math.nan, run=False))
+    assert robot.set_setpoint(core.Setpoint.unchecked(distance_m=math.nan, run=False))
     assert not robot.setpoint.run and robot.setpoint.distance_m == CONFIG.setpoint.distance_m
     assert robot.command_at(FRAMES[-1].utime).command == STILL
 

@@ -71,7 +71,7 @@ def test_whatever_comes_the_accepted_counters_rise_and_none_is_accepted_twice(me
     ],
 )
 def test_every_refusal_has_its_name_and_changes_nothing(message, verdict, counted_as):
-    asked = Setpoint(distance_m=message.pop("distance_m", 2.0), bearing_rad=message.pop("bearing_rad", 0.5))
+    asked = Setpoint.unchecked(distance_m=message.pop("distance_m", 2.0), bearing_rad=message.pop("bearing_rad", 0.5))
     kept = Setpoint(distance_m=1.1, bearing_rad=-0.1, run=False)
     the_gate = gate()
     said, setpoint = decide(the_gate, asked, kept=kept, **message)
@@ -96,7 +96,7 @@ def test_the_bounds_themselves_may_be_asked_for(change):
 
 
 SETPOINTS = st.builds(
-    Setpoint,
+    Setpoint.unchecked,
     distance_m=st.floats(allow_nan=True) | st.floats(0.0, 3.0),
     bearing_rad=st.floats(allow_nan=True) | st.floats(-1.0, 1.0),
     run=st.booleans(),
@@ -152,5 +152,5 @@ def test_a_recording_made_before_a_genuine_stop_cannot_be_played_after_it():
 def test_a_forged_stop_does_not_use_up_the_operators_counters():
     the_gate = gate()
     decide(the_gate, Setpoint(run=False), session=0, counter=2**63 - 1)
-    decide(the_gate, Setpoint(run=False, distance_m=math.nan), counter=2**63 - 1)
+    decide(the_gate, Setpoint.unchecked(run=False, distance_m=math.nan), counter=2**63 - 1)
     assert decide(the_gate, Setpoint(), counter=1)[0] == SetpointVerdict.accepted

@@ -1,6 +1,7 @@
 """The library as a stranger uses it: installed, found by CMake and pkg-config, built against from other projects."""
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -117,6 +118,64 @@ def test_a_component_that_does_not_exist_is_refused_by_name(tmp_path):
     done = configure(ROOT, tmp_path, "-DPILOTFISH_COMPONENTS=visions")
     assert done.returncode != 0
     assert "there is no 'visions'; choose from core, fuzzy, vision" in " ".join(done.stderr.split())
+
+
+def test_an_optional_component_that_lacks_something_is_only_not_found(tmp_path):
+    options = [f"-DCMAKE_PREFIX_PATH={prefix()}", "-DCOMPONENTS=fuzzy", "-DOPTIONAL_COMPONENTS=core;vision;capture"]
+    done = configure(CONSUMER, tmp_path, *options, "-DCMAKE_DISABLE_FIND_PACKAGE_OpenCV=ON")
+    assert done.returncode == 0, done.stderr
+    for line in ("core: TRUE", "vision: TRUE", "capture: FALSE"):
+        assert line in done.stdout
+    # What stands on it is not found either, and what is required still stops the configuration.
+    done = configure(CONSUMER, tmp_path / "2", *options, "-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
+    assert done.returncode == 0, done.stderr
+    for line in ("core: FALSE", "vision: FALSE", "capture: FALSE"):
+        assert line in done.stdout
+    options += ["-DCOMPONENTS=vision", "-DOPTIONAL_COMPONENTS=capture"]
+    done = configure(CONSUMER, tmp_path / "3", *options, "-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
+    assert done.returncode != 0
+    assert "apt-get install libeigen3-dev" in " ".join(done.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("component", "absent", "others"),
+    [("core", "Eigen3", "fuzzy"), ("capture", "OpenCV", "core;fuzzy;vision;visp;control;coordinator;jpeg;bus;base")],
+)
+def test_what_is_suggested_instead_does_without_what_is_missing(tmp_path, component, absent, others):
+    lacking = f"-DCMAKE_DISABLE_FIND_PACKAGE_{absent}=ON"
+    done = configure(ROOT, tmp_path, f"-DPILOTFISH_COMPONENTS={component}", lacking)
+    assert f'PILOTFISH_COMPONENTS="{others}"' in " ".join(done.stderr.split())
+    done = configure(ROOT, tmp_path / "2", f"-DPILOTFISH_COMPONENTS={others.replace('visp;', '')}", lacking)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("option", ["PILOTFISH_APPS", "PILOTFISH_PYTHON", "PILOTFISH_TESTS", "PILOTFISH_BENCH"])
+def test_what_needs_more_modules_than_are_built_is_refused_at_once(tmp_path, option):
+    done = configure(ROOT, tmp_path, "-DPILOTFISH_COMPONENTS=fuzzy", f"-D{option}=ON")
+    assert done.returncode != 0
+    assert f"({option}) need modules that PILOTFISH_COMPONENTS leaves out: core;vision" in " ".join(done.stderr.split())
+
+
+def test_an_empty_list_of_components_is_refused_and_all_may_stand_among_them(tmp_path):
+    done = configure(ROOT, tmp_path, "-DPILOTFISH_COMPONENTS=")
+    assert done.returncode != 0
+    assert "PILOTFISH_COMPONENTS names no module" in " ".join(done.stderr.split())
+    options = ["-DPILOTFISH_APPS=OFF", "-DPILOTFISH_PYTHON=OFF"]
+    done = configure(ROOT, tmp_path / "2", "-DPILOTFISH_COMPONENTS=fuzzy;all", *options)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_commands_of_the_guides_configure_without_any_python_package(tmp_path):
+    """Of /usr/bin/python3, as on a machine on which scripts/setup has not run."""
+    for guide in ("docs/library.md", "examples/README.md"):
+        commands = [line.strip() for line in (ROOT / guide).read_text().splitlines() if "-B build/library" in line]
+        assert len(commands) == 2, guide
+        for number, command in enumerate(commands):
+            words = shlex.split(command.partition("&&")[0].replace("~/", f"{tmp_path}/"))
+            options = [word for word in words if word.startswith("-D")]
+            build = tmp_path / f"{Path(guide).stem}{number}"
+            done = configure(ROOT, build, *options, "-DPython_EXECUTABLE=/usr/bin/python3")
+            assert done.returncode == 0, f"{command}: {done.stderr}"
 
 
 def test_every_example_is_short_and_has_a_twin():

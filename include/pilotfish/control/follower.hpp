@@ -18,6 +18,7 @@
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
+#include "pilotfish/core/status.hpp"
 
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
@@ -77,7 +78,10 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
 
 /// What a Follower answers, and how it came to it.
 struct FollowerOutput {
-  Twist command;  ///< within the limits
+  Twist command;  ///< within the limits; zero unless `reason` is none
+  /// law_not_finite: the law's twist, the measurement or the setpoint was no number. The past is forgotten, as by
+  /// restart(), and the next follow() starts from rest.
+  Reason reason = Reason::none;
   /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. Another law does not
   /// listen.
   VelocityCommand velocity;
@@ -101,7 +105,7 @@ class Follower {
   /// Throws ConfigError if any parameter is out of range.
   explicit Follower(FollowerConfig config);
 
-  /// One measurement, one command. Time comes from the observations.
+  /// One measurement, one command, always finite. Time comes from the observations.
   FollowerOutput follow(const Observation& observation, const Setpoint& setpoint);
 
   /// What odometry measured of this robot, and what the leader says of itself; times as those of the observations.

@@ -18,7 +18,8 @@ struct LimitsConfig {
 };
 
 /// The nearest command to `wanted` within the limits on speed and, starting from `previous` a time dt_s ago, on
-/// acceleration. dt_s <= 0 allows no change of speed beyond the speed limits themselves.
+/// acceleration. dt_s <= 0 allows no change of speed beyond the speed limits themselves. Zero if `wanted` is not
+/// finite; a `previous` that is not finite counts as standstill.
 Twist limit(const LimitsConfig& config, const Twist& wanted, const Twist& previous, double dt_s);
 
 }  // namespace pilotfish::control
