@@ -25,7 +25,7 @@ class Driver {
   Driver& operator=(const Driver&) = delete;
   virtual ~Driver() = default;
 
-  virtual void drive(const Twist& told, MonotonicTime now) = 0;
+  virtual void drive(const Twist& command, MonotonicTime now) = 0;
   /// Takes in what the other side has said.
   virtual void poll(MonotonicTime now) = 0;
   /// Why the wheels cannot be reached, for people; empty if they can.
@@ -35,7 +35,7 @@ class Driver {
   /// What has been measured since the last call.
   virtual std::optional<Measured> take_measured() { return std::nullopt; }
   virtual std::map<std::string, std::int64_t> counters() const { return {}; }
-  /// Waits until what was told last has left, a twentieth of a second at most. At the end of the program only.
+  /// Waits until the last command has been sent, a twentieth of a second at most. At the end of the program only.
   virtual void drain() {}
 };
 

@@ -103,7 +103,7 @@ class Loop {
     base_.driver_works(trouble.empty());
     const base::BaseOutput output = base_.step(now);
     const bool changed = output.state != last_.state || output.obeys != last_.obeys ||
-                         (output.command == Twist{} && !(last_told_ == Twist{}));
+                         (output.command == Twist{} && !(last_command_ == Twist{}));
     const bool due = next_period_ <= now;
     if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) tell(output, now);
     if (const auto measured = driver_.take_measured()) receive(*measured);
@@ -116,7 +116,7 @@ class Loop {
 
   void tell(const base::BaseOutput& output, MonotonicTime now) {
     driver_.drive(output.command, now);
-    last_told_ = output.command;
+    last_command_ = output.command;
     last_line_ = now;
     fresh_ = false;
   }
@@ -206,7 +206,7 @@ class Loop {
   bool fresh_ = false;  ///< a good command has come since the last line
   std::int64_t counter_ = 0, foreign_bases_ = 0;
   base::BaseOutput last_;
-  Twist last_told_;
+  Twist last_command_;
   std::optional<Twist> measured_;
   MonotonicTime logged_, refusals_logged_;
   std::optional<base::BaseState> logged_state_;

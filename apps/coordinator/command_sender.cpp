@@ -80,18 +80,18 @@ HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& he
     held_.from = now;
     held_.until = later(now, moves ? static_cast<std::int64_t>(config_.max_age_s * 1e6) : -1);
   }
-  const MonotonicTime heard = later(now, kSendAhead_us);
-  deadline_served_ = !held_.fresh_at(heard);
-  const HeldAnswer holds = holds_at(heard, result.reason);
+  const MonotonicTime effective = later(now, kSendAhead_us);
+  deadline_served_ = !held_.fresh_at(effective);
+  const HeldAnswer holds = holds_at(effective, result.reason);
   const bool overruled = holds.reason == Reason::another_coordinator || holds.status == Status::stopped;
   if (overruled) {
     answer = holds;
-  } else if (!(answer.command == Twist{}) && !held_.fresh_at(heard)) {
+  } else if (!(answer.command == Twist{}) && !held_.fresh_at(effective)) {
     // Looking took too long, or a frame that measured nothing came in the last moment of the one before.
-    answer = held_.at(heard, result.status == Status::tracking ? Reason::frame_stale : result.reason);
+    answer = held_.at(effective, result.status == Status::tracking ? Reason::frame_stale : result.reason);
   }
   last_answer_ = answer;
-  send(answer, image_utime, now, heard, answer.reason);
+  send(answer, image_utime, now, effective, answer.reason);
   next_beat_ = later(now, patience_us_);
   changed_.notify_one();  // what is due next may be due earlier than what the thread waits for
   return answer;
@@ -101,10 +101,10 @@ void CommandSender::answer_again(std::int64_t image_utime) {
   const std::lock_guard lock(mutex_);
   if (finished_) return;
   const MonotonicTime now = monotonic_now();
-  const MonotonicTime heard = later(now, kSendAhead_us);
-  HeldAnswer holds = holds_at(heard, last_answer_.reason);
+  const MonotonicTime effective = later(now, kSendAhead_us);
+  HeldAnswer holds = holds_at(effective, last_answer_.reason);
   if (holds.command == last_answer_.command && holds.status != Status::stopped) holds = last_answer_;
-  send(holds, image_utime, now, heard, holds.reason);
+  send(holds, image_utime, now, effective, holds.reason);
 }
 
 void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
@@ -184,8 +184,8 @@ void CommandSender::run() {
       continue;
     }
     counts_.lateness.add(static_cast<double>(now.us - due_at.us) * 1e-6);
-    const MonotonicTime heard = later(now, kSendAhead_us);
-    send(holds_at(heard, Reason::no_frame), image_utime_, now, heard, Reason::no_frame);
+    const MonotonicTime effective = later(now, kSendAhead_us);
+    send(holds_at(effective, Reason::no_frame), image_utime_, now, effective, Reason::no_frame);
     next_beat_ = later(now, period_us_);
   }
 }

@@ -65,7 +65,7 @@ void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
   spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, config.control.active_law,
                to_string(config.control.profile), config.setpoint.distance_m, degrees(config.setpoint.bearing_rad),
-               config.setpoint.run ? "" : " (told to stop)");
+               config.setpoint.run ? "" : " (stop requested)");
   spdlog::info("camera {} x {} px, f = {:.1f} px{}", config.camera.width, config.camera.height, config.camera.fx,
                config.camera.has_distortion() ? ", with distortion" : "");
   std::string ids;

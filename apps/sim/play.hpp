@@ -70,7 +70,7 @@ class Runner {
   double wait_s_;
   std::ostream* csv_;
   bool driven_by_base_;
-  std::map<std::string, double> told_s_;  ///< when a base last told a robot's wheels something; world's time
+  std::map<std::string, double> commanded_s_;  ///< world's time of a base's last command to a robot's wheels
   std::vector<std::string> followers_;
   std::map<std::string, double>
       with_intent_;  ///< leaders who say how they move, and their followers' least latency [s]
