@@ -9,11 +9,12 @@
 namespace pilotfish::apps {
 namespace {
 
-/// A command holds for so much after it left: waking up and the way over the bus take time, and the rule counts at the
-/// wheels. So the zero at the deadline leaves so much before it, and whatever is asked in that time is answered zero,
-/// too: what was told to stand still must not be told to move once more by a frame that is no measurement.
+/// Commands are evaluated for an instant this much later: waking up and the way over the bus take time, and the rule
+/// applies at the wheels. So the zero at the deadline is sent this much before it, and so is every answer in that
+/// time: after a zero, a frame without a measurement must not move the wheels again.
 constexpr std::int64_t kSendAhead_us = 6'000;
-/// Wheels stop by themselves 100 ms after the last command: also of a slow camera they hear more often than that.
+/// Wheels stop by themselves 100 ms after the last command: so commands are sent more often than that, even with a slow
+/// camera.
 constexpr std::int64_t kLongestSilence_us = 50'000;
 constexpr std::int64_t kRivalFor_us = 1'000'000;
 constexpr int kLastZeros = 3;  // a datagram may be lost
@@ -25,7 +26,7 @@ MonotonicTime later(MonotonicTime time, std::int64_t by_us) { return {time.us + 
 CommandSender::CommandSender(const SenderConfig& config, Publish publish)
     : config_(config),
       period_us_(std::min(static_cast<std::int64_t>(1e6 / config.frame_rate_hz), kLongestSilence_us)),
-      // A frame that is a little late is no reason for a command of its own.
+      // A frame that is a little late is no reason for an extra command.
       patience_us_(std::min(period_us_ + period_us_ / 2, kLongestSilence_us)),
       publish_(std::move(publish)),
       next_beat_(monotonic_now()),
@@ -75,7 +76,7 @@ HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& he
   image_utime_ = image_utime;
   HeldAnswer answer{result.status, result.reason, result.command};
   if (config_.simulated) {
-    // The simulated clock stood still while the frame was looked at. From now on real time counts here.
+    // The simulated clock stood still while the frame was processed. From now on real time counts here.
     const bool moves = held.holding && !(result.command == Twist{});
     held_.from = now;
     held_.until = later(now, moves ? static_cast<std::int64_t>(config_.max_age_s * 1e6) : -1);
@@ -87,7 +88,7 @@ HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& he
   if (overruled) {
     answer = holds;
   } else if (!(answer.command == Twist{}) && !held_.fresh_at(effective)) {
-    // Looking took too long, or a frame that measured nothing came in the last moment of the one before.
+    // Vision took too long, or a frame without a measurement came in the last moment of the one before.
     answer = held_.at(effective, result.status == Status::tracking ? Reason::frame_stale : result.reason);
   }
   last_answer_ = answer;

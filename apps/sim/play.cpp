@@ -158,7 +158,7 @@ RunSummary Runner::play_in_lockstep() {
   return played_;
 }
 
-/// Coordinators send zeros while they see nothing, so that each can be heard before the world begins to move.
+/// Coordinators send zeros while they have no picture, so that each is received before the world begins to move.
 void Runner::wait_until_all_are_heard() {
   const double asked_s = monotonic_s();
   while (!stop_requested()) {
