@@ -73,7 +73,7 @@ int run(const BaseOptions& options) {
   } catch (const AnotherBase& error) {
     return fail(kUnavailable, error.what());
   }
-  spdlog::info("ended; the wheels were told zero");
+  spdlog::info("ended; the wheels were set to zero");
   return kOk;
 }
 

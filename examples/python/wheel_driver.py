@@ -1,5 +1,5 @@
-"""A wheel driver that executes a coordinator's commands: wheel_driver.py ROBOT [LCM_URL]. pilotfish-base does this, and more, for
-differential drives; this is the minimum that is safe."""
+"""A wheel driver that executes a coordinator's commands: wheel_driver.py ROBOT [LCM_URL]. pilotfish-base does this,
+and more, for differential drives; this is the minimum that is safe."""
 
 import sys
 import time

@@ -132,9 +132,7 @@ class Coordinator {
   std::int64_t whole_picture_searches() const { return observer_.whole_picture_searches(); }  ///< since the start
   /// Times the stages of the observer from the next frame on, with the caller's clock; nullptr: not any more.
   void time_stages(vision::StageStopwatch::Clock clock) noexcept { observer_.time_stages(clock); }
-  const vision::StageStopwatch& stages() const {
-    return observer_.stages();
-  }  ///< of the last frame that was searched for tags
+  const vision::StageStopwatch& stages() const { return observer_.stages(); }  ///< of the last frame that was used
 
   /// Its state, bit for bit, apart from its configuration: another one of the same configuration that is restored
   /// from this continues exactly as this one would. For recordings that are replayed from their middle; not a copy of

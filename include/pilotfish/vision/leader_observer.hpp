@@ -85,8 +85,7 @@ class LeaderObserver {
   const StageStopwatch& stages() const { return stopwatch_; }  ///< of the last frame that could be used
 
   template <class Self, class Archive>
-  static void remember(Self& self,
-                       Archive& archive) {  ///< see core/checkpoint.hpp; counters and times are not part of it
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; without counters and times
     archive(self.track_, self.heading_);
   }
 

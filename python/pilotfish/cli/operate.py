@@ -26,7 +26,7 @@ def stop(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, w
     """Stop a robot: it stands still until it is resumed. Works without a key, always.
 
     Sends at once, several times, until the robot's status confirms the stop; ends with 69 if no
-    coordinator is heard (the stops have been sent all the same).
+    coordinator answers (the stops have been sent nevertheless).
 
     \b
     Example
