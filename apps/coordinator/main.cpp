@@ -205,7 +205,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
 
   announce(file, listener.bus());
   if (black_box) spdlog::info("black box: {} MB at most in {}", file.black_box.total_mb, file.black_box.directory);
-  if (simulated) spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels ignore the commands");
+  if (simulated)
+    spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels ignore the commands");
   spdlog::info("ready: {}", source.description);
   const LoopConfig loop{file.name,
                         session,

@@ -61,9 +61,9 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
       ->excludes(real_time);
   app.add_flag("--publish-intent", options.publish_intent,
                "robots that others follow say on NAME_MOTION how they move");
-  app.add_option(
-         "--drive-by", driven_by,
-         "source of the wheels' commands: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator (NAME_BASE)")
+  app.add_option("--drive-by", driven_by,
+                 "source of the wheels' commands: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator "
+                 "(NAME_BASE)")
       ->check(CLI::IsMember({"coordinator", "base"}))
       ->capture_default_str();
   app.add_option("--key", options.key_path,
