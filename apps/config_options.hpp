@@ -10,17 +10,17 @@ class App;
 
 namespace pilotfish::apps {
 
-/// What the programs that read a configuration have in common on their command lines.
+/// The command line options shared by the programs that read a configuration.
 struct ConfigOptions {
   std::string config_path;
   std::optional<std::string> name;  ///< the robot's, instead of the configuration's
   std::string describe_config;      ///< how to print it: markdown, json; empty: not at all
 };
 
-/// Adds them; parsing asks for --config unless the configuration is only to be described. `example`: of one.
+/// Adds them; parsing requires --config unless the configuration is only to be described. `example`: of one.
 void add_config_options(CLI::App& app, ConfigOptions& options, const std::string& example);
 
-/// Answers --describe-config on stdout. False if that was not asked.
+/// Answers --describe-config on stdout. False if that was not given.
 bool describes_config(const ConfigOptions& options, const std::function<std::string()>& as_markdown,
                       const std::function<std::string()>& as_json_schema);
 

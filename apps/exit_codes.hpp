@@ -2,7 +2,7 @@
 
 namespace pilotfish::apps {
 
-// sysexits.h's numbers, so that a supervisor (systemd: RestartPreventExitStatus=78) can tell what is worth retrying.
+// sysexits.h's numbers, so that a supervisor (systemd: RestartPreventExitStatus=78) can decide what to retry.
 inline constexpr int kOk = 0;
 inline constexpr int kUsage = 64;        ///< the command line is wrong
 inline constexpr int kUnavailable = 69;  ///< the source or the bus cannot be opened

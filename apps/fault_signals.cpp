@@ -24,7 +24,7 @@ void say_it() {
 void on_fault(Say say) noexcept {
   say_before_the_end = say;
   struct sigaction action {};
-  // Once, then the default, of which the process dies as it would have: the signal waits until the handler returns.
+  // Once, then the default, which ends the process as usual: the signal waits until the handler returns.
   action.sa_handler = [](int signal) {
     say_it();
     raise(signal);

@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kEntries = 1024;
 constexpr std::chrono::milliseconds kDrainWithin{250};
 
-/// The queues have locks. Who owes commands at a real-time priority must not wait for a lock whose holder waits for a
-/// core among a hundred busy programs: so the writing threads have the lowest real-time priority, where it is
-/// permitted.
+/// The queues have locks. A thread that sends commands at a real-time priority must not wait for a lock whose holder
+/// waits for a core among a hundred busy programs: so the writing threads have the lowest real-time priority, where it
+/// is permitted.
 void never_hold_up_the_caller() {
   sched_param lowest{};
   lowest.sched_priority = 1;

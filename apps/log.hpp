@@ -6,8 +6,8 @@
 namespace pilotfish::apps {
 
 /// The program's log, and with `lines` its output of JSON lines, each through a queue and a thread of its own: a
-/// terminal that does not read (a pipe that is full, Ctrl-S, a lost ssh) must not hold up who calls. Live, what does
-/// not fit pushes out the oldest, and is counted; a program that works through files waits instead.
+/// terminal that does not read (a pipe that is full, Ctrl-S, a lost ssh) must not block the caller. Live, what does
+/// not fit replaces the oldest, and is counted; a program that processes files waits instead.
 class Log {
  public:
   struct Options {
@@ -20,7 +20,7 @@ class Log {
   Log& operator=(const Log&) = delete;
 
   void line(const std::string& text);  ///< to stdout as it is
-  std::int64_t lost() const;           ///< entries and lines that were pushed out
+  std::int64_t lost() const;           ///< entries and lines that were replaced
   /// Waits until everything has been written; live, a quarter of a second at most. False: a thread is stuck in
   /// write(2), and the process must end by _exit.
   bool drain();

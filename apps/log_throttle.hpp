@@ -9,14 +9,14 @@
 
 namespace pilotfish::apps {
 
-/// Who may write a line, so that a flood of events is not a flood of lines: of each kind the first at once, then at
-/// most one a period, with the number of those kept back. Kinds are few and the program's own, never words of a
-/// sender's.
+/// Limits log lines, so that a flood of events is not a flood of lines: of each kind the first at once, then at
+/// most one a period, with the number of those suppressed. Kinds are few and the program's own, never a text from a
+/// sender.
 class LogThrottle {
  public:
   explicit LogThrottle(double period_s) : period_us_(static_cast<std::int64_t>(period_s * 1e6)) {}
 
-  /// Something of that kind happened now. The number kept back since the last line if a line is due, else nothing.
+  /// Something of that kind happened now. The number suppressed since the last line if a line is due, else nothing.
   std::optional<std::int64_t> due(const std::string& kind, MonotonicTime now);
 
  private:

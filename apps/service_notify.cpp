@@ -57,7 +57,7 @@ ServiceEnvironment service_environment(const char* notify_socket, const char* wa
   ServiceEnvironment environment;
   if (notify_socket != nullptr) environment.socket = notify_socket;
   const std::optional<std::int64_t> period_us = positive_number(watchdog_usec);
-  // A child inherits the variables of its parent, whom the manager watches; $WATCHDOG_PID tells them apart.
+  // A child inherits the variables of its parent, which the manager watches; $WATCHDOG_PID distinguishes them.
   const bool for_this_process = watchdog_pid == nullptr || positive_number(watchdog_pid) == own_pid;
   if (period_us && for_this_process) environment.watchdog_period = std::chrono::microseconds(*period_us);
   return environment;
@@ -85,7 +85,7 @@ void ServiceNotify::stopping() const { send("STOPPING=1\nSTATUS=stopping"); }
 
 void ServiceNotify::progress(MonotonicTime now) {
   if (!watchdog_period_) return;
-  // A quarter, so that a sign of life that found no room is made up for twice before the period is over.
+  // A quarter, so that a notification that did not fit is repeated twice before the period is over.
   if (last_progress_ && now.us - last_progress_->us < watchdog_period_->count() / 4) return;
   last_progress_ = now;
   send("WATCHDOG=1");

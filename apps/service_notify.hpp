@@ -9,7 +9,7 @@
 
 namespace pilotfish::apps {
 
-/// What a service manager put into the environment: where it listens, and how long it waits for a sign of life.
+/// A service manager's settings in the environment: its socket, and its watchdog period.
 struct ServiceEnvironment {
   std::string socket;  ///< $NOTIFY_SOCKET: a path, or '@' and an abstract name; empty: started by hand
   std::optional<std::chrono::microseconds> watchdog_period;  ///< $WATCHDOG_USEC, if it is meant for this process
@@ -19,8 +19,8 @@ ServiceEnvironment service_environment();
 ServiceEnvironment service_environment(const char* notify_socket, const char* watchdog_usec, const char* watchdog_pid,
                                        long own_pid);
 
-/// Tells systemd (Type=notify) how the program is. Never blocks and never fails: what the manager cannot take at once
-/// is dropped (docs/decisions/0024 says why this is not libsystemd's sd_notify). Without a manager every call does
+/// Reports the program's state to systemd (Type=notify). Never blocks and never fails: what the manager cannot take at
+/// once is dropped (docs/decisions/0024 says why this is not libsystemd's sd_notify). Without a manager every call does
 /// nothing.
 class ServiceNotify {
  public:
@@ -32,11 +32,11 @@ class ServiceNotify {
   void ready(std::string_view what) const;   ///< once, before the loop: waits 1 s at most
   void status(std::string_view what) const;  ///< one line, on a change: not with every frame
   void stopping() const;                     ///< the end has begun, in order
-  /// The loop has done what it owed. Call as often as you like, from one thread: it sends four times a watchdog's
+  /// The loop has made progress. Call at any rate, from one thread: it sends four times a watchdog's
   /// period.
   void progress(MonotonicTime now);
 
-  /// Within this long the manager wants to hear of progress; nothing: it does not watch.
+  /// The manager expects progress within this time; nothing: it does not watch.
   std::optional<std::chrono::microseconds> watchdog_period() const { return watchdog_period_; }
 
  private:

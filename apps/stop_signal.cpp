@@ -16,8 +16,8 @@ std::atomic<bool> stop_flag{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<const bus::LastWords*> last_words{nullptr};
 
-// All whose default is death and that are no fault of ours. Suspending from a terminal (Ctrl-Z) would silence a robot
-// that moves: those are ignored.
+// All that end a process by default and are not faults. Suspending from a terminal (Ctrl-Z) would stop the commands
+// of a moving robot: those are ignored.
 constexpr int kStopSignals[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGQUIT, SIGUSR1,   SIGUSR2,
                                 SIGALRM, SIGVTALRM, SIGPROF, SIGPOLL, SIGSTKFLT, SIGPWR};
 constexpr int kSuspensions[] = {SIGTSTP, SIGTTIN, SIGTTOU};

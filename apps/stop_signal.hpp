@@ -6,7 +6,7 @@ class LastWords;
 
 namespace pilotfish::apps {
 
-/// For programs with one thread: from now on every signal that asks for an end (INT, TERM, HUP of a lost terminal,
+/// For programs with one thread: from now on every signal that requests an end (INT, TERM, HUP of a lost terminal,
 /// QUIT, USR1, USR2) only raises a flag, so that the loop can end in order: zeros first. SIGPIPE is ignored.
 void catch_stop_signals();
 bool stop_requested();
@@ -17,7 +17,7 @@ void block_stop_signals();
 /// True if one has come within that time.
 bool wait_for_stop_signal(int timeout_ms);
 
-/// What is sent when the process dies of a fault (SIGSEGV, SIGABRT, SIGBUS, ...) or of std::terminate, before it does.
+/// The message sent when the process crashes (SIGSEGV, SIGABRT, SIGBUS, ...) or of std::terminate, before it does.
 /// Must outlive everything else; nullptr: nothing any more.
 void set_last_words(const bus::LastWords* words);
 

@@ -16,7 +16,7 @@ namespace {
 
 class PublishedDriver final : public Driver {
  public:
-  void drive(const Twist& /*told*/, MonotonicTime /*now*/) override {}
+  void drive(const Twist& /*command*/, MonotonicTime /*now*/) override {}
   void poll(MonotonicTime /*now*/) override {}
   std::string trouble(MonotonicTime /*now*/) const override { return {}; }
 };
@@ -38,9 +38,9 @@ class SerialDriver final : public Driver {
   SerialDriver& operator=(const SerialDriver&) = delete;
   ~SerialDriver() override { last_words_to(-1); }
 
-  void drive(const Twist& told, MonotonicTime now) override {
+  void drive(const Twist& command, MonotonicTime now) override {
     if (!port_) return;
-    const base::SetPointLine line(link_.next_sequence(now), base::wheel_speeds(config_.wheels, told));
+    const base::SetPointLine line(link_.next_sequence(now), base::wheel_speeds(config_.wheels, command));
     try {
       switch (port_->write_newest(line.text())) {
         case SerialPort::Written::all: break;

@@ -11,13 +11,13 @@
 
 namespace pilotfish::apps {
 
-/// What the encoders say, integrated.
+/// The encoders' readings, integrated.
 struct Measured {
   Pose2 pose;
   Twist twist;
 };
 
-/// What turns the wheels. No call blocks, none throws.
+/// The wheel driver. No call blocks, none throws.
 class Driver {
  public:
   Driver() = default;
@@ -25,21 +25,21 @@ class Driver {
   Driver& operator=(const Driver&) = delete;
   virtual ~Driver() = default;
 
-  virtual void drive(const Twist& told, MonotonicTime now) = 0;
-  /// Takes in what the other side has said.
+  virtual void drive(const Twist& command, MonotonicTime now) = 0;
+  /// Handles what the other side has sent.
   virtual void poll(MonotonicTime now) = 0;
-  /// Why the wheels cannot be reached, for people; empty if they can.
+  /// Why the wheels cannot be reached, for display; empty if they can.
   virtual std::string trouble(MonotonicTime now) const = 0;
   /// The other side reports a pressed emergency stop.
   virtual bool emergency_stop() const { return false; }
-  /// What has been measured since the last call.
+  /// The measurements since the last call.
   virtual std::optional<Measured> take_measured() { return std::nullopt; }
   virtual std::map<std::string, std::int64_t> counters() const { return {}; }
-  /// Waits until what was told last has left, a twentieth of a second at most. At the end of the program only.
+  /// Waits until the last command has been sent, a twentieth of a second at most. At the end of the program only.
   virtual void drain() {}
 };
 
-/// The wheels are somebody else's, who listens to NAME_BASE, or nobody's.
+/// Without wheels of its own: another program may execute NAME_BASE.
 std::unique_ptr<Driver> published_driver();
 
 /// Throws SerialError if the line cannot be opened now; later it is tried again every second.

@@ -21,7 +21,7 @@ void say_zero() {
   const int descriptor = line_descriptor.load();
   if (descriptor < 0) return;
   tcflush(descriptor, TCOFLUSH);
-  // Nobody is left to be told that it failed.
+  // A failure cannot be reported any more.
   [[maybe_unused]] const ssize_t written = ::write(descriptor, zero_line.data(), zero_size);
 }
 

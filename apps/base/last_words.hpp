@@ -2,8 +2,8 @@
 
 namespace pilotfish::apps {
 
-/// What ends this process without asking tells the wheels zero first: a signal of a broken program (SIGSEGV, SIGABRT
-/// and their kin) and std::terminate write a prepared line to the serial line, then the process dies as it would have.
+/// A crash sets the wheels to zero first: the signals of a program fault (SIGSEGV, SIGABRT and the
+/// like) and std::terminate write a prepared line to the serial line, then the process ends as it would have.
 /// After SIGKILL nothing can be sent; there the controller's own watchdog stops the wheels.
 void prepare_last_words();
 

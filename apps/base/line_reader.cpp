@@ -9,7 +9,7 @@
 
 namespace pilotfish::apps {
 
-/// Owned by both, so that a thread that waits in the kernel can be left behind.
+/// Owned by both, so that a thread that waits in the kernel can be detached.
 struct LineReader::Shared {
   explicit Shared(std::shared_ptr<SerialPort> line) : port(std::move(line)) {}
 

@@ -9,14 +9,14 @@
 
 namespace pilotfish::apps {
 
-/// Reads a serial line in a thread of its own. A read that is said not to wait does so all the same: the kernel hands
+/// Reads a serial line in a thread of its own. A non-blocking read waits nevertheless: the kernel hands
 /// bytes over in a worker with an ordinary priority, and read() and poll() wait for that worker when it has something
 /// to do (n_tty_read, tty_buffer_flush_work). Inferred, not traced, from zeros that came late
 /// on a computer with 20 busy programs.
 class LineReader {
  public:
   explicit LineReader(std::shared_ptr<SerialPort> port);
-  /// Tells the thread to end and does not wait for it; the line is closed when it has.
+  /// Requests the thread's end and does not wait for it; the line is closed when it has.
   ~LineReader();
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;

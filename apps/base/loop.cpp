@@ -12,11 +12,12 @@
 namespace pilotfish::apps {
 namespace {
 
-/// Another base of this name sends 20 times a second or more. Who begins while it runs receives it in this time.
+/// Another base of this name sends 20 times a second or more. A base that starts while it runs receives it in this
+/// time.
 constexpr std::int64_t kListenFirst_us = 300'000;
-/// Two that begin together hear each other a little later.
+/// Two that start together receive each other's a little later.
 constexpr std::int64_t kYoung_us = 3'000'000;
-/// Not more lines to the wheels than this, whatever comes in; zeros excepted.
+/// Not more lines to the wheels than this, at any rate of commands; zeros excepted.
 constexpr std::int64_t kBetweenLines_us = 4'000;
 constexpr std::int64_t kBetweenLogs_us = 200'000;
 constexpr std::int64_t kBetweenRefusalLogs_us = 5'000'000;
@@ -103,7 +104,7 @@ class Loop {
     base_.driver_works(trouble.empty());
     const base::BaseOutput output = base_.step(now);
     const bool changed = output.state != last_.state || output.obeys != last_.obeys ||
-                         (output.command == Twist{} && !(last_told_ == Twist{}));
+                         (output.command == Twist{} && !(last_command_ == Twist{}));
     const bool due = next_period_ <= now;
     if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) tell(output, now);
     if (const auto measured = driver_.take_measured()) receive(*measured);
@@ -116,7 +117,7 @@ class Loop {
 
   void tell(const base::BaseOutput& output, MonotonicTime now) {
     driver_.drive(output.command, now);
-    last_told_ = output.command;
+    last_command_ = output.command;
     last_line_ = now;
     fresh_ = false;
   }
@@ -152,7 +153,7 @@ class Loop {
     return counters;
   }
 
-  /// A state that flaps must not fill a disk.
+  /// A state that keeps changing must not fill a disk.
   void log(const base::BaseOutput& output, const std::string& trouble, MonotonicTime now) {
     if (output.state == logged_state_ && output.obeys == logged_obeys_) return;
     if (now.us - logged_.us < kBetweenLogs_us) return;
@@ -180,7 +181,7 @@ class Loop {
     logged_refusals_ = counters;
   }
 
-  /// Zeros are the last thing the wheels hear; three times, because a line or a datagram may be lost.
+  /// Zeros are the last lines to the wheels; three times, because a line or a datagram may be lost.
   void end() {
     service_.stopping();
     publish_ = true;
@@ -201,12 +202,12 @@ class Loop {
   const MonotonicTime started_;
   MonotonicTime next_period_;
   MonotonicTime last_line_;
-  bool publish_ = false;  ///< not before it is known that nobody else does
+  bool publish_ = false;  ///< not before it is known that no other base does
   bool another_ = false;
   bool fresh_ = false;  ///< a good command has come since the last line
   std::int64_t counter_ = 0, foreign_bases_ = 0;
   base::BaseOutput last_;
-  Twist last_told_;
+  Twist last_command_;
   std::optional<Twist> measured_;
   MonotonicTime logged_, refusals_logged_;
   std::optional<base::BaseState> logged_state_;

@@ -14,7 +14,7 @@ struct BaseLoopConfig {
   double rate_hz = 50.0;
 };
 
-/// Another process owns the wheels of this name.
+/// Another process drives the wheels of this name.
 class AnotherBase : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

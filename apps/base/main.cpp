@@ -1,5 +1,5 @@
-// pilotfish-base: owns the wheels. Reads the configuration, opens the line and the bus, hands both to the loop. Nothing
-// is opened before the configuration is known to be good.
+// pilotfish-base: drives the wheels. Reads the configuration, opens the line and the bus, hands both to the loop.
+// Nothing is opened before the configuration is known to be good.
 
 #include <spdlog/spdlog.h>
 
@@ -36,7 +36,7 @@ config::BaseFile load(const BaseOptions& options) {
   return file;
 }
 
-/// Prints what will be used, so that a log shows what drove the robot.
+/// Prints what will be used, so that a log shows the settings.
 void announce(const config::BaseFile& file, const bus::Bus& bus) {
   const base::BaseConfig& config = file.base;
   const std::string driver = file.driver.kind == Kind::serial      ? "serial line " + file.driver.device
@@ -73,7 +73,7 @@ int run(const BaseOptions& options) {
   } catch (const AnotherBase& error) {
     return fail(kUnavailable, error.what());
   }
-  spdlog::info("ended; the wheels were told zero");
+  spdlog::info("ended; the wheels were set to zero");
   return kOk;
 }
 

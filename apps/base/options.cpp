@@ -9,19 +9,19 @@ namespace pilotfish::apps {
 namespace {
 
 constexpr const char* kExamples = R"(
-It obeys one sender of NAME_COMMAND, clamps speed, turn rate and acceleration once more, and tells the wheels zero by itself
-95 ms after the last good command. A stop (a setpoint_t on NAME_SETPOINT with run = false) is accepted from anyone and
-lasts until the sender's session is resumed. What it does goes out on NAME_BASE, wheel odometry on NAME_POSE.
+It accepts one sender of NAME_COMMAND, limits speed, turn rate and acceleration once more, and sets the wheels to zero by
+itself 95 ms after the last good command. A stop (a setpoint_t on NAME_SETPOINT with run = false) is accepted from anyone
+and lasts until the sender's session is resumed. Its state is published on NAME_BASE, wheel odometry on NAME_POSE.
 
 Examples
   pilotfish-base --config base.yaml
-      what the wheels would be told, on NAME_BASE: nothing moves
+      publishes the wheels' command on NAME_BASE: nothing moves
   pilotfish-base --config base.yaml --driver serial:/dev/ttyUSB0
-      the robot; what the controller must understand: docs/base-serial-protocol.md
+      the robot; the controller's protocol: docs/base-serial-protocol.md
   pilotfish-base --config base.yaml --driver simulator
       between a coordinator and  pilotfish-sim --realtime --drive-by base
 
-Ends with 0 on SIGINT, SIGTERM and their kin, after telling the wheels zero; 64 on a wrong command line, 69 if the bus or the
+Ends with 0 on SIGINT, SIGTERM and the like, with the wheels at zero; 64 on a wrong command line, 69 if the bus or the
 serial line cannot be opened or another base of this name is running, 70 if it gave up, 78 on a bad configuration (the message
 names the key). The keys of the configuration: pilotfish-base --describe-config)";
 
@@ -29,7 +29,7 @@ names the key). The keys of the configuration: pilotfish-base --describe-config)
 
 ParsedBaseOptions parse_base_options(int argc, char** argv) {
   BaseOptions options;
-  CLI::App app{"Owns the wheels: obeys one coordinator, and stops them when that is gone."};
+  CLI::App app{"Drives the wheels on one coordinator's commands, and stops them when these end."};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-base ") + kVersion, "print the version and end");
   add_config_options(app, options, "data/config/base.yaml");

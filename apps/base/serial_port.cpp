@@ -32,13 +32,13 @@ speed_t speed_of(int baud) {
 void set_up(int descriptor, const std::string& device, speed_t speed) {
   if (isatty(descriptor) == 0) throw SerialError(device + " is not a serial line");
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) throw SerialError(device + " is in use by another program");
-  ioctl(descriptor, TIOCEXCL);  // for those who do not ask for the lock
+  ioctl(descriptor, TIOCEXCL);  // for programs that do not use the lock
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) fail(device);
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | HUPCL | CSTOPB);
-  settings.c_cc[VMIN] = 1;  // so that a read of nothing says EAGAIN, and 0 only where the line has been hung up
+  settings.c_cc[VMIN] = 1;  // so that a read of nothing gives EAGAIN, and 0 only where the line has been hung up
   settings.c_cc[VTIME] = 0;
   cfsetispeed(&settings, speed);
   cfsetospeed(&settings, speed);
@@ -61,7 +61,7 @@ SerialPort::SerialPort(const std::string& device, int baud) {
 }
 
 SerialPort::~SerialPort() {
-  if (blocked_) tcflush(descriptor_, TCOFLUSH);  // else close() waits for what does not go out
+  if (blocked_) tcflush(descriptor_, TCOFLUSH);  // else close() waits for unsent bytes
   ::close(descriptor_);
 }
 

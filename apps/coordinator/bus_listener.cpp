@@ -13,13 +13,13 @@ namespace {
 
 constexpr int kHandle_ms = 50;
 
-/// Stamps from this date on (the year 2000) are taken for a wall clock's, which then says how old they are: a recording
-/// of any age must not pass for a camera. So are those of the next day. Others are of a clock of their own, of which
-/// only the order says something, or of a camera computer whose clock was never set. How much of an age is accepted
-/// when, FrameTimeline decides. For each frame anew: what one frame says must not vouch for another.
+/// Stamps from this date on (the year 2000) are taken for a wall clock's, which then gives their age: a recording
+/// of any age must not pass for a camera. So are those of the next day. Others are of another clock, of which
+/// only the order is used, or of a camera computer whose clock was never set. Which ages are accepted
+/// is decided by FrameTimeline, for each frame anew: one frame's stamp is no evidence for another's.
 constexpr std::int64_t kFirstDate_utime = 946'684'800'000'000;
 constexpr double kNextDay_us = 86'400e6;
-/// The same for the monotonic clocks, which a program on this host may stamp with. No wall clock is that near to them.
+/// The same for this host's monotonic clocks, which a program on it may use for stamps. No wall clock is near them.
 constexpr double kMonotonicClock_us = 10e6;
 
 std::int64_t known_age_us(std::int64_t utime, MonotonicTime arrival) {
@@ -43,7 +43,7 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
       kept_(config.setpoint) {
   if (config_.key) bus_.set_key(*config_.key);
   bus_.on_command(config_.robot, [this](const bus::CommandReport& command) {
-    // Our own come back. What we have not sent yet is somebody else's, who has read our session off the bus.
+    // Our own come back. One that we have not sent yet is from another sender, which has read our session from the bus.
     if (command.session == config_.session && (sender_ == nullptr || command.counter <= sender_->sent())) return;
     rival_ = command.session;
     if (sender_ != nullptr) sender_->rival_heard(monotonic_now());
@@ -72,7 +72,7 @@ BusListener::~BusListener() { stop(); }
 
 std::optional<Frame> BusListener::decode(const bus::EncodedImage& image, std::int64_t age_us) {
   if (image.width != config_.width || image.height != config_.height) {
-    // Not worth decoding. It goes on without pixels, so that the status says what is wrong.
+    // Not decoded. It is passed on without pixels, so that the status shows what is wrong.
     Frame frame;
     frame.utime = image.utime;
     frame.image.width = frame.image.stride_bytes = image.width;

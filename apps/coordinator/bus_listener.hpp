@@ -29,11 +29,11 @@ struct ListenerConfig {
   int width = 0, height = 0;  ///< of the pictures that can be used [px]
   bool simulated = false;     ///< stamps of images are no wall clock's
   bool odometry = false;
-  std::string leader_intent_from;  ///< empty: nobody
+  std::string leader_intent_from;  ///< empty: none
 };
 
-/// Everything that comes over the bus, on a thread of its own: it decides at once what makes the robot more careful (a
-/// stop, a second coordinator of the same name), and puts the rest into the inbox, pictures as they came.
+/// Everything that comes over the bus, on a thread of its own: it applies at once what can only stop the robot (a
+/// stop, a second coordinator of the same name), and puts the rest into the inbox, pictures undecoded.
 class BusListener {
  public:
   /// Throws BusError.
@@ -42,7 +42,7 @@ class BusListener {
   BusListener(const BusListener&) = delete;
   BusListener& operator=(const BusListener&) = delete;
 
-  /// Was there another coordinator of that name within this time? Before start().
+  /// Whether there was another coordinator of that name within this time. Before start().
   std::optional<std::int64_t> rival_within(int milliseconds);
   /// failed: called once, from the thread, if an exception ends it.
   void start(CommandSender& sender, std::function<void(const std::string&)> failed);

@@ -22,7 +22,7 @@ class CameraReader {
 
  private:
   struct Shared;
-  std::shared_ptr<Shared> shared_;  ///< owned by both: a thread that is stuck in a driver is left behind
+  std::shared_ptr<Shared> shared_;  ///< owned by both: a thread that is stuck in a driver is detached
   std::thread thread_;
 };
 

@@ -9,11 +9,12 @@
 namespace pilotfish::apps {
 namespace {
 
-/// A command holds for so much after it left: waking up and the way over the bus take time, and the rule counts at the
-/// wheels. So the zero at the deadline leaves so much before it, and whatever is asked in that time is answered zero,
-/// too: what was told to stand still must not be told to move once more by a frame that is no measurement.
+/// Commands are evaluated for an instant this much later: waking up and the way over the bus take time, and the rule
+/// applies at the wheels. So the zero at the deadline is sent this much before it, and so is every answer in that
+/// time: after a zero, a frame without a measurement must not move the wheels again.
 constexpr std::int64_t kSendAhead_us = 6'000;
-/// Wheels stop by themselves 100 ms after the last command: also of a slow camera they hear more often than that.
+/// Wheels stop by themselves 100 ms after the last command: so commands are sent more often than that, even with a slow
+/// camera.
 constexpr std::int64_t kLongestSilence_us = 50'000;
 constexpr std::int64_t kRivalFor_us = 1'000'000;
 constexpr int kLastZeros = 3;  // a datagram may be lost
@@ -25,7 +26,7 @@ MonotonicTime later(MonotonicTime time, std::int64_t by_us) { return {time.us + 
 CommandSender::CommandSender(const SenderConfig& config, Publish publish)
     : config_(config),
       period_us_(std::min(static_cast<std::int64_t>(1e6 / config.frame_rate_hz), kLongestSilence_us)),
-      // A frame that is a little late is no reason for a command of its own.
+      // A frame that is a little late is no reason for an extra command.
       patience_us_(std::min(period_us_ + period_us_ / 2, kLongestSilence_us)),
       publish_(std::move(publish)),
       next_beat_(monotonic_now()),
@@ -75,23 +76,23 @@ HeldAnswer CommandSender::answer(const StepResult& result, const HeldCommand& he
   image_utime_ = image_utime;
   HeldAnswer answer{result.status, result.reason, result.command};
   if (config_.simulated) {
-    // The simulated clock stood still while the frame was looked at. From now on real time counts here.
+    // The simulated clock stood still while the frame was processed. From now on real time counts here.
     const bool moves = held.holding && !(result.command == Twist{});
     held_.from = now;
     held_.until = later(now, moves ? static_cast<std::int64_t>(config_.max_age_s * 1e6) : -1);
   }
-  const MonotonicTime heard = later(now, kSendAhead_us);
-  deadline_served_ = !held_.fresh_at(heard);
-  const HeldAnswer holds = holds_at(heard, result.reason);
+  const MonotonicTime effective = later(now, kSendAhead_us);
+  deadline_served_ = !held_.fresh_at(effective);
+  const HeldAnswer holds = holds_at(effective, result.reason);
   const bool overruled = holds.reason == Reason::another_coordinator || holds.status == Status::stopped;
   if (overruled) {
     answer = holds;
-  } else if (!(answer.command == Twist{}) && !held_.fresh_at(heard)) {
-    // Looking took too long, or a frame that measured nothing came in the last moment of the one before.
-    answer = held_.at(heard, result.status == Status::tracking ? Reason::frame_stale : result.reason);
+  } else if (!(answer.command == Twist{}) && !held_.fresh_at(effective)) {
+    // Vision took too long, or a frame without a measurement came in the last moment of the one before.
+    answer = held_.at(effective, result.status == Status::tracking ? Reason::frame_stale : result.reason);
   }
   last_answer_ = answer;
-  send(answer, image_utime, now, heard, answer.reason);
+  send(answer, image_utime, now, effective, answer.reason);
   next_beat_ = later(now, patience_us_);
   changed_.notify_one();  // what is due next may be due earlier than what the thread waits for
   return answer;
@@ -101,10 +102,10 @@ void CommandSender::answer_again(std::int64_t image_utime) {
   const std::lock_guard lock(mutex_);
   if (finished_) return;
   const MonotonicTime now = monotonic_now();
-  const MonotonicTime heard = later(now, kSendAhead_us);
-  HeldAnswer holds = holds_at(heard, last_answer_.reason);
+  const MonotonicTime effective = later(now, kSendAhead_us);
+  HeldAnswer holds = holds_at(effective, last_answer_.reason);
   if (holds.command == last_answer_.command && holds.status != Status::stopped) holds = last_answer_;
-  send(holds, image_utime, now, heard, holds.reason);
+  send(holds, image_utime, now, effective, holds.reason);
 }
 
 void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
@@ -184,8 +185,8 @@ void CommandSender::run() {
       continue;
     }
     counts_.lateness.add(static_cast<double>(now.us - due_at.us) * 1e-6);
-    const MonotonicTime heard = later(now, kSendAhead_us);
-    send(holds_at(heard, Reason::no_frame), image_utime_, now, heard, Reason::no_frame);
+    const MonotonicTime effective = later(now, kSendAhead_us);
+    send(holds_at(effective, Reason::no_frame), image_utime_, now, effective, Reason::no_frame);
     next_beat_ = later(now, period_us_);
   }
 }

@@ -14,8 +14,8 @@
 
 namespace pilotfish::apps {
 
-/// What was known when a command left, for the black box: what the core held, the instant that was asked for, what was
-/// missing.
+/// The inputs of a command that was sent, for the black box: what the core held, the instant it was evaluated for, and
+/// what was missing.
 using SentRecord = std::function<void(const HeldCommand& held, MonotonicTime asked_at, Reason missing,
                                       const HeldAnswer& sent, std::int64_t counter)>;
 
@@ -27,18 +27,18 @@ struct SenderConfig {
   SentRecord record;       ///< may be empty
 };
 
-/// What the sender knows beyond the commands it was given.
+/// The sender's own counts.
 struct SenderCounts {
   std::int64_t missed_deadlines = 0;  ///< a zero that left after its measurement had become too old
-  std::int64_t rivals_heard = 0;      ///< commands of somebody else under this robot's name
+  std::int64_t rivals_heard = 0;      ///< commands of another sender under this robot's name
   StageTimes lateness;                ///< of what it sends by itself
 };
 
-/// Owes the wheels a command: the answer to a frame at once, otherwise one every period, and one at the very moment the
-/// last measurement becomes too old. On a thread of its own, so that nothing which looks, prints or waits can hold it
-/// up; and whoever calls, the age is looked at again when a command leaves.
+/// Sends the wheels a command: the answer to a frame at once, otherwise one every period, and one at the very moment
+/// the last measurement becomes too old. On a thread of its own, so that nothing which computes, prints or waits can
+/// delay it; for every caller the age is checked again when a command is sent.
 ///
-/// What may only make it more careful comes from any thread and acts at once: a stop, a rival, a failure.
+/// What can only stop the robot comes from any thread and acts at once: a stop, a rival, a failure.
 class CommandSender {
  public:
   /// Called with the lock held, never by two threads at a time.
@@ -49,18 +49,19 @@ class CommandSender {
   CommandSender(const CommandSender&) = delete;
   CommandSender& operator=(const CommandSender&) = delete;
 
-  /// A frame was answered: the command leaves now. `held` is the coordinator's after that. Returns what really left.
+  /// A frame was answered: the command leaves now. `held` is the coordinator's after that. Returns what was really
+  /// sent.
   HeldAnswer answer(const StepResult& result, const HeldCommand& held, std::int64_t image_utime);
-  /// The same frame was asked about again: the same answer, as far as it still holds.
+  /// The same frame was received again: the same answer, as far as it still holds.
   void answer_again(std::int64_t image_utime);
-  /// The coordinator was told something; `stops` of the stops that were heard are in it.
+  /// The coordinator's setpoint was set; `stops` of the stops received are included.
   void told(const HeldCommand& held, std::int64_t stops);
 
-  /// A stop was heard: zeros from now on, until the coordinator has been told of it and of a resume. Returns its
+  /// A stop was received: zeros from now on, until the coordinator has handled it and a resume. Returns its
   /// number.
   std::int64_t stop_heard();
   std::int64_t stops_received() const;
-  /// Somebody else commands this robot: zeros from both, until a second after the last of the other's.
+  /// Another sender commands this robot: zeros from both, until a second after the last of the other's.
   void rival_heard(MonotonicTime now);
   void base_heard(std::int64_t base_session);
   /// Zeros with that reason, three times because a datagram may be lost, and nothing after them.
@@ -73,7 +74,7 @@ class CommandSender {
 
  private:
   HeldAnswer holds_at(MonotonicTime now, Reason reason) const;
-  /// asked_at, missing: the question to held_ that `answer` answers.
+  /// asked_at, missing: the arguments to held_ that gave `answer`.
   void send(const HeldAnswer& answer, std::int64_t image_utime, MonotonicTime now, MonotonicTime asked_at,
             Reason missing);
   MonotonicTime due() const;

@@ -44,7 +44,7 @@ class Loop {
         latency_(config),
         search_(config.frame_rate_hz, config.max_age_s) {}
 
-  /// Until the end, which is said as well: who watches must not take the last status for what still holds.
+  /// Until the end, which is reported as well: the last status must not be taken for the present one.
   void run() {
     work();
     StepResult end = coordinator_.command_at(now());
@@ -82,13 +82,14 @@ class Loop {
 
   void look_at(Frame frame, MonotonicTime arrival) {
     if (config_.simulated && last_utime_ == frame.utime && !parts_.pull) {
-      // The same picture again: a simulator asks for an answer that got lost. The old one holds while it is fresh.
+      // The same picture again: a simulator repeats it because the answer got lost. The old one holds while it is
+      // fresh.
       parts_.sender.answer_again(frame.utime);
       return;
     }
     last_utime_ = frame.utime;
     timing_.frame_rate_hz = rate_.arrived(arrival);
-    // What is replayed, or simulated, waits for us and must not depend on how fast we are.
+    // A replay or a simulation waits for the answer and must not depend on the speed of this computer.
     frame.coarse_search = !config_.simulated && search_.coarse();
     const MonotonicTime begin = monotonic_now();
     const MonotonicTime now = config_.simulated ? clock_.at(frame.utime, arrival) : arrival;
@@ -122,7 +123,8 @@ class Loop {
         seconds * 1e3, search_.budget_s() * 1e3);
   }
 
-  /// Of a JPEG the bytes that were decoded, so that a replay can see again; of others a copy now and then, for people.
+  /// Of a JPEG the bytes that were decoded, so that a replay can repeat the vision; of others a copy now and then, for
+  /// viewing.
   void record_picture(const Frame& frame, const PendingFrame& pending) const {
     if (pending.jpeg_message == nullptr) return parts_.black_box->picture(frame);
     parts_.black_box->message(bus::channel(config_.robot, "IMAGE"), pending.jpeg_message->data(),
@@ -147,7 +149,7 @@ class Loop {
     const MonotonicTime at = monotonic_now();
     if (logged_setpoint_ && logged_setpoint_->distance_m == now.distance_m &&
         logged_setpoint_->bearing_rad == now.bearing_rad && logged_setpoint_->run == now.run)
-      return;  // repeated: nothing to say
+      return;  // repeated: not logged
     if (logged_setpoint_ && seconds_between(setpoint_logged_at_, at) < kSetpointLines_s) {
       ++setpoints_not_logged_;
       return;

@@ -24,13 +24,13 @@ struct LoopConfig {
   double configured_latency_s = 0.0;  ///< control.drive.latency_s, to compare with the measured one
 };
 
-/// What others count, for the status: refused by the bus, ...
+/// Counters of other parts, for the status: refused by the bus, ...
 using Counters = std::map<std::string, std::int64_t>;
 
-/// Everything around the loop that looks.
+/// Everything around the control loop.
 struct LoopParts {
   Inbox& inbox;
-  /// Files: the next frame whenever it is asked for, nothing at the end. Empty: frames come into the inbox.
+  /// Files: the next frame at each call, nothing at the end. Empty: frames come into the inbox.
   std::function<std::optional<Frame>()> pull;
   CommandSender& sender;
   bus::Bus& reports;  ///< for observation and status; used by this thread alone
@@ -41,8 +41,8 @@ struct LoopParts {
   blackbox::BlackBox* black_box = nullptr;  ///< may be none
 };
 
-/// Looks: takes the newest frame, steps the coordinator, hands the answer to the sender of commands, reports. It may
-/// take as long as it takes; the wheels do not wait for it. Returns when the source has ended or a stop was requested.
+/// Takes the newest frame, steps the coordinator, passes the answer to the sender of commands, reports. It has
+/// no time limit; the wheels do not wait for it. Returns when the source has ended or a stop was requested.
 void control_loop(const LoopConfig& config, const LoopParts& parts, Coordinator& coordinator);
 
 }  // namespace pilotfish::apps

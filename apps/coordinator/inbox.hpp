@@ -18,7 +18,7 @@
 
 namespace pilotfish::apps {
 
-/// A picture that has arrived and has not been decoded: of many, only the newest is worth it.
+/// A picture that has arrived and has not been decoded: of many, only the newest is decoded.
 struct PendingFrame {
   MonotonicTime at;
   std::function<std::optional<Frame>()> decode;  ///< nothing: it was refused, and counted where that was noticed
@@ -26,7 +26,7 @@ struct PendingFrame {
   std::shared_ptr<const std::vector<std::uint8_t>> jpeg_message;
 };
 
-/// What the coordinator is told between frames, in the order in which it came.
+/// The coordinator's inputs between frames, in the order of arrival.
 struct ReceivedSetpoint {
   Setpoint setpoint;
   std::int64_t counter = 0;         ///< of the operator
@@ -39,8 +39,8 @@ struct ReceivedMotion {
 };
 using Received = std::variant<ReceivedSetpoint, ReceivedMotion>;
 
-/// From the threads that listen (bus, camera) to the one that looks. Never waits for the one that looks: an older frame
-/// makes place for a newer one, and of a flood of messages the oldest go.
+/// From the receiving threads (bus, camera) to the vision thread. Never waits for the latter: a newer frame
+/// replaces an older one, and of a flood of messages the oldest are dropped.
 class Inbox {
  public:
   void put(PendingFrame frame);
@@ -54,7 +54,7 @@ class Inbox {
   Taken take(std::chrono::microseconds patience);
   void wake();  ///< take() returns at once, with nothing
 
-  std::int64_t overtaken() const;  ///< frames that were replaced before anyone looked
+  std::int64_t overtaken() const;  ///< frames that were replaced before they were processed
   std::int64_t forgotten() const;  ///< messages that did not fit
 
  private:

@@ -8,8 +8,8 @@
 
 namespace pilotfish::apps {
 
-/// From a frame to the command that answers it: the median of the last frames, so that one late frame does not count.
-/// Says so once if the configuration says otherwise: a horizon shorter than the loop's delay makes the command
+/// From a frame to the command that answers it: the median of the last frames, so that one late frame has no effect.
+/// Logs once if the configured value differs: a horizon shorter than the loop's delay makes the command
 /// oscillate.
 class LatencyWatch {
  public:

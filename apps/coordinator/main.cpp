@@ -4,7 +4,7 @@
 //   BusListener   everything that comes over the bus --> Inbox
 //   CameraReader  a live camera's frames             --> Inbox
 //   control_loop  Inbox --> Coordinator::step --> CommandSender, observation, status      (the main thread)
-//   CommandSender a command every period and at the deadline, whatever the others do
+//   CommandSender a command every period and at the deadline, independent of the others
 //   Supervisor    signals, the service manager, and that the end comes in time
 //
 // Nothing is opened before the configuration is known to be good.
@@ -60,12 +60,12 @@ config::CoordinatorFile load(const Options& options) {
   return file;
 }
 
-/// Prints what will be used, so that a log shows what drove the robot.
+/// Prints what will be used, so that a log shows the settings.
 void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
   spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, config.control.active_law,
                to_string(config.control.profile), config.setpoint.distance_m, degrees(config.setpoint.bearing_rad),
-               config.setpoint.run ? "" : " (told to stop)");
+               config.setpoint.run ? "" : " (stop requested)");
   spdlog::info("camera {} x {} px, f = {:.1f} px{}", config.camera.width, config.camera.height, config.camera.fx,
                config.camera.has_distortion() ? ", with distortion" : "");
   std::string ids;
@@ -120,7 +120,7 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
-/// A coordinator that starts listens for another one of its name for so long; those speak every 50 ms.
+/// A coordinator that starts checks this long for another one of its name; those send every 50 ms.
 constexpr int kRivalWithin_ms = 300;
 
 bool is_replay(const std::string& source) {
@@ -129,7 +129,7 @@ bool is_replay(const std::string& source) {
   return kind == Kind::video || kind == Kind::images || kind == Kind::log;
 }
 
-/// What is replayed does not speak on a live bus, unless that is asked for.
+/// A replay does not send on a live bus, unless that is requested.
 std::string bus_url(const Options& options, bool replay) {
   if (!replay || options.live) return options.lcm_url;
   return options.lcm_url.empty() ? "memq://" : options.lcm_url;
@@ -205,7 +205,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
 
   announce(file, listener.bus());
   if (black_box) spdlog::info("black box: {} MB at most in {}", file.black_box.total_mb, file.black_box.directory);
-  if (simulated) spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels will not obey");
+  if (simulated)
+    spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels ignore the commands");
   spdlog::info("ready: {}", source.description);
   const LoopConfig loop{file.name,
                         session,

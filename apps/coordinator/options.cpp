@@ -73,7 +73,7 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "folder for a ring of recordings, from which pilotfish replay recomputes every command");
   app.add_flag(
       "--simulated-time", options.simulated_time,
-      "time passes as the images' stamps say, for pilotfish-sim in lock-step: real wheels do not obey such commands");
+      "time passes as the images' stamps say, for pilotfish-sim in lock-step: real wheels ignore such commands");
   app.add_flag("--live", options.live,
                "let files (video:, images:, log:) speak on the bus; otherwise they stay inside this process");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");

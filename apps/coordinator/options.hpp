@@ -12,7 +12,7 @@ struct SourceSpec {
   enum class Kind { camera, video, images, lcm, log } kind = Kind::lcm;
   std::string argument;
 };
-/// Throws std::invalid_argument that lists what there is.
+/// Throws std::invalid_argument that lists the choices.
 SourceSpec parse_source(const std::string& text);
 
 struct Options : ConfigOptions {

@@ -14,7 +14,7 @@ class Reporter {
   Reporter(const LoopConfig& config, const LoopParts& parts, const Coordinator& coordinator)
       : config_(config), parts_(parts), coordinator_(coordinator) {}
 
-  /// result: as it left, with what the sender made of its command.
+  /// result: with the command that the sender really sent.
   void report(const StepResult& result, const StepTiming& timing);
   void print(const StepResult& result, const StepTiming& timing) const;
 

@@ -5,8 +5,8 @@
 namespace pilotfish::apps {
 
 /// Searching a whole picture is what takes longest: following takes a hundredth of it. Where one search takes longer
-/// than there is until the next frame, the three after it are made coarsely, so that a near leader is found while it
-/// still is where it was seen; then a whole one again, for far leaders and to see whether there is time now.
+/// than there is until the next frame, the three after it are made coarsely, so that a near leader is found before
+/// it has moved far; then a whole one again, for far leaders and to measure whether there is time now.
 class SearchBudget {
  public:
   SearchBudget(double frame_rate_hz, double max_age_s) : budget_s_(std::min(1.0 / frame_rate_hz, 0.5 * max_age_s)) {}

@@ -9,8 +9,8 @@
 namespace pilotfish::apps {
 
 /// Time for frames that were not taken now: a simulator in lock-step, a recording, a folder of pictures. It passes as
-/// the stamps say, so that a run depends on nothing but its pictures; where a stamp says nothing (it goes back, or
-/// leaps by more than an hour), it passes as it does here. Whoever uses it says so in every command, and real wheels
+/// the stamps say, so that a run depends on nothing but its pictures; where a stamp is unusable (it goes back, or
+/// leaps by more than an hour), it passes in real time. Its use is marked in every command, and real wheels
 /// refuse those.
 class SimulatedClock {
  public:

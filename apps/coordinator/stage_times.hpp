@@ -5,7 +5,7 @@
 
 namespace pilotfish::apps {
 
-/// How long one stage of the loop took, as a histogram: stage_t on the wire. One thread writes, or somebody locks.
+/// How long one stage of the loop took, as a histogram: stage_t on the wire. One thread writes, or the caller locks.
 class StageTimes {
  public:
   static constexpr std::size_t kBins = 11;

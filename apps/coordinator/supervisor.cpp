@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kLook_ms = 50;
 constexpr std::int64_t kEndWithin_us = 3'000'000;
-/// Longer than looking at any frame takes; the wheels have zeros all that time.
+/// Longer than the processing of any frame takes; the wheels have zeros all that time.
 constexpr std::int64_t kTurnWithin_us = 2'000'000;
 
 }  // namespace
@@ -63,7 +63,7 @@ void Supervisor::run() {
       since = monotonic_now();
       service_.stopping();
     }
-    // The zeros have left long ago. Something does not come back from where it is.
+    // The zeros were sent long ago. A thread is stuck.
     if (monotonic_now().us - since->us > kEndWithin_us) std::_Exit(failed_ ? kSoftware : kOk);
   }
 }

@@ -12,9 +12,9 @@
 
 namespace pilotfish::apps {
 
-/// Takes the signals, tells the service manager of progress (of the thread that owes commands and of the one that
-/// looks, both; that a thread of its own is alive would prove nothing), and sees to it that the program ends: at once
-/// if asked, and whatever a thread is stuck in.
+/// Takes the signals, reports progress to the service manager (of both the command thread and the vision thread;
+/// a thread of its own would prove nothing), and ensures that the program ends: at once
+/// if requested, even if a thread is stuck.
 class Supervisor {
  public:
   Supervisor(CommandSender& sender, Inbox& inbox);
@@ -24,7 +24,7 @@ class Supervisor {
 
   void ready(const std::string& source);  ///< once: to the service manager
   void ended() { service_.stopping(); }   ///< the source has
-  void looked() { ++turns_; }             ///< one turn of the loop that looks
+  void looked() { ++turns_; }             ///< one turn of the control loop
   bool stop_requested() const { return stopping_; }
   bool failed() const { return failed_; }
   /// From any thread: zeros, and the end.
@@ -41,7 +41,7 @@ class Supervisor {
   std::atomic<bool> ready_{false}, stopping_{false}, failed_{false}, over_{false};
   std::atomic<std::int64_t> turns_{0};
   std::int64_t last_turns_ = -1, last_beats_ = -1;
-  MonotonicTime looked_at_;  ///< when the loop that looks was last seen to turn
+  MonotonicTime looked_at_;  ///< when the control loop last made progress
   std::thread thread_;       // last: it uses everything above
 };
 

@@ -10,7 +10,7 @@ namespace pilotfish::apps {
 
 bus::ObservationReport observation_report(const StepResult& result, const StepTiming& timing);
 
-/// What a status says of the program rather than of a frame; the rows of core/telemetry.hpp call these by name.
+/// The parts of a status about the program rather than a frame; the rows of core/telemetry.hpp use these names.
 struct LoopSources {
   const LoopConfig& config;
   const Coordinator& coordinator;

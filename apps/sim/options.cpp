@@ -19,9 +19,9 @@ Examples
   pilotfish-sim --scenario data/scenarios/circle.yaml --realtime
       at the pace of the clock, to watch with pilotfish-spy or lcm-logger
   pilotfish-sim --scenario data/scenarios/star.yaml --lcm-url 'udpm://239.255.76.67:7700?ttl=0'
-      on a bus of its own: another port, which the coordinators have to be told too
+      on a bus of its own: another port, which the coordinators need too
   pilotfish-sim --scenario data/scenarios/line.yaml --realtime --drive-by base
-      the wheels obey pilotfish-base --driver simulator, which stands between them and the coordinator
+      the wheels execute the commands of pilotfish-base --driver simulator, between them and the coordinator
 
 Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --publish-intent every leader's
 twist on NAME_MOTION; each robot that follows another is driven by what comes in on NAME_COMMAND. A setpoint in the
@@ -61,9 +61,9 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
       ->excludes(real_time);
   app.add_flag("--publish-intent", options.publish_intent,
                "robots that others follow say on NAME_MOTION how they move");
-  app.add_option(
-         "--drive-by", driven_by,
-         "whom the wheels obey: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator (NAME_BASE)")
+  app.add_option("--drive-by", driven_by,
+                 "source of the wheels' commands: the coordinator (NAME_COMMAND), or pilotfish-base --driver simulator "
+                 "(NAME_BASE)")
       ->check(CLI::IsMember({"coordinator", "base"}))
       ->capture_default_str();
   app.add_option("--key", options.key_path,

@@ -158,7 +158,7 @@ RunSummary Runner::play_in_lockstep() {
   return played_;
 }
 
-/// Coordinators send zeros while they see nothing, so that each can be heard before the world begins to move.
+/// Coordinators send zeros while they have no picture, so that each is received before the world begins to move.
 void Runner::wait_until_all_are_heard() {
   const double asked_s = monotonic_s();
   while (!stop_requested()) {
@@ -198,18 +198,18 @@ void Runner::obey_bases(const double& start_s) {
       if (start_s <= 0.0) return;
       const double now_s = monotonic_s() - start_s;
       world_.command(name, report.command, now_s);
-      told_s_[name] = now_s;
+      commanded_s_[name] = now_s;
     });
   }
 }
 
 void Runner::stop_unattended_wheels(double now_s) {
-  for (auto told = told_s_.begin(); told != told_s_.end();) {
-    if (now_s - told->second > kWheelsWatchdog_s) {
-      world_.command(told->first, {}, now_s);
-      told = told_s_.erase(told);
+  for (auto entry = commanded_s_.begin(); entry != commanded_s_.end();) {
+    if (now_s - entry->second > kWheelsWatchdog_s) {
+      world_.command(entry->first, {}, now_s);
+      entry = commanded_s_.erase(entry);
     } else {
-      ++told;
+      ++entry;
     }
   }
 }
@@ -250,7 +250,7 @@ RunSummary Runner::play_in_real_time() {
     double wake_s = next < frames ? exposure_s(next) : now_s;
     for (const UnderWay& picture : under_way_)
       wake_s = next < frames ? std::min(wake_s, picture.due_s) : std::max(wake_s, picture.due_s);
-    bus_.handle(std::clamp(static_cast<int>((wake_s - now_s) * 1e3), 0, told_s_.empty() ? 100 : 20));
+    bus_.handle(std::clamp(static_cast<int>((wake_s - now_s) * 1e3), 0, commanded_s_.empty() ? 100 : 20));
   }
   played_.stopped = stop_requested();
   return played_;

@@ -14,7 +14,7 @@
 
 namespace pilotfish::apps {
 
-/// A coordinator that does not answer; the message says which, and what to look at.
+/// A coordinator that does not answer; the message names it, and what to check.
 class NoAnswer : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -30,8 +30,8 @@ struct RunSummary {
 };
 
 struct RunnerConfig {
-  bool publish_intent = false;  ///< leaders say how they move
-  bool driven_by_base = false;  ///< wheels listen to NAME_BASE instead of NAME_COMMAND; in real time only
+  bool publish_intent = false;  ///< leaders publish their intent
+  bool driven_by_base = false;  ///< wheels execute NAME_BASE instead of NAME_COMMAND; in real time only
 };
 
 /// A world on the bus. One of the two play functions is called once.
@@ -56,7 +56,7 @@ class Runner {
   double latency_s(const std::string& robot) const;
   void wait_until_all_are_heard();
   void obey_bases(const double& start_s);
-  /// As a motor controller does: wheels of which nobody has said anything for 100 ms stand still.
+  /// As a motor controller does: wheels without a command for 100 ms stand still.
   void stop_unattended_wheels(double now_s);
   void expose_all();
   void deliver(double now_s);
@@ -70,10 +70,10 @@ class Runner {
   double wait_s_;
   std::ostream* csv_;
   bool driven_by_base_;
-  std::map<std::string, double> told_s_;  ///< when a base last told a robot's wheels something; world's time
+  std::map<std::string, double> commanded_s_;  ///< world's time of a base's last command to a robot's wheels
   std::vector<std::string> followers_;
   std::map<std::string, double>
-      with_intent_;  ///< leaders who say how they move, and their followers' least latency [s]
+      with_intent_;  ///< leaders that publish their intent, and their followers' least latency [s]
   struct UnderWay {  // a picture between its exposure and its delivery
     double due_s;
     std::string robot;
@@ -82,7 +82,7 @@ class Runner {
   std::vector<UnderWay> under_way_;
   std::map<std::string, sim::Answer> answers_;  ///< the last of each follower
   double last_progress_s_ = 0.0;                ///< on the monotonic clock
-  std::int64_t failed_ = 0;                     ///< messages that could not be sent, and were spoken of
+  std::int64_t failed_ = 0;                     ///< messages that could not be sent, already logged
   LogThrottle throttle_{10.0};
   RunSummary played_;
 };

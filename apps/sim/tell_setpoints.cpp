@@ -18,25 +18,25 @@ double monotonic_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// What is known of one coordinator, and what it has been told.
-struct Told {
+/// The setpoint sent to one coordinator, and what its messages have shown.
+struct SentSetpoint {
   Setpoint setpoint;
-  std::int64_t session = 0;        ///< heard; 0: not yet
-  std::int64_t last_counter = 0;   ///< that it says it has accepted
+  std::int64_t session = 0;        ///< received; 0: not yet
+  std::int64_t last_counter = 0;   ///< that it reports as accepted
   std::int64_t first_counter = 0;  ///< that it was sent in this session; 0: none yet
   std::int64_t counter = 0;        ///< that it was sent last
   double sent_s = 0.0;
   bool shown = false;
   bus::Counters rejected;
 
-  void heard_session(std::int64_t heard) {
-    if (heard == 0 || heard == session) return;
-    session = heard;
+  void on_session(std::int64_t received) {
+    if (received == 0 || received == session) return;
+    session = received;
     first_counter = counter = 0;
   }
 
-  void heard_status(const bus::StatusReport& status) {
-    heard_session(status.session);
+  void on_status(const bus::StatusReport& status) {
+    on_session(status.session);
     last_counter = status.setpoint_counter;
     for (const auto& [name, count] : status.rejected) rejected[name] = count;
     shown = first_counter != 0 && status.session == session && last_counter >= first_counter &&
@@ -54,25 +54,25 @@ struct Told {
   }
 };
 
-using ToldByRobot = std::map<std::string, Told>;
+using SentByRobot = std::map<std::string, SentSetpoint>;
 
-void send_where_due(ToldByRobot& robots, bus::Bus& bus, std::int64_t utime) {
-  for (auto& [robot, told] : robots) {
+void send_where_due(SentByRobot& robots, bus::Bus& bus, std::int64_t utime) {
+  for (auto& [robot, sent] : robots) {
     const double now_s = monotonic_s();
-    if (told.session == 0 || told.shown || (told.counter != 0 && now_s - told.sent_s < kResendAfter_s)) continue;
-    told.counter = std::max({wall_utime(), told.counter + 1, told.last_counter + 1});
-    if (told.first_counter == 0) told.first_counter = told.counter;
-    told.sent_s = now_s;
-    bus.publish(robot, bus::SetpointReport{utime, told.session, told.counter, told.setpoint});
+    if (sent.session == 0 || sent.shown || (sent.counter != 0 && now_s - sent.sent_s < kResendAfter_s)) continue;
+    sent.counter = std::max({wall_utime(), sent.counter + 1, sent.last_counter + 1});
+    if (sent.first_counter == 0) sent.first_counter = sent.counter;
+    sent.sent_s = now_s;
+    bus.publish(robot, bus::SetpointReport{utime, sent.session, sent.counter, sent.setpoint});
   }
 }
 
-NoAnswer not_shown(const ToldByRobot& robots, double waited_s, const bus::Bus& bus) {
+NoAnswer not_shown(const SentByRobot& robots, double waited_s, const bus::Bus& bus) {
   std::ostringstream text;
   const char* separator = "";
-  for (const auto& [robot, told] : robots) {
-    if (told.shown) continue;
-    text << separator << robot << " " << told.missing();
+  for (const auto& [robot, sent] : robots) {
+    if (sent.shown) continue;
+    text << separator << robot << " " << sent.missing();
     separator = "; ";
   }
   text << " (" << waited_s << " s on " << bus.url() << "); is pilotfish-coordinator running with that --name and "
@@ -84,16 +84,15 @@ NoAnswer not_shown(const ToldByRobot& robots, double waited_s, const bus::Bus& b
 
 void tell_setpoints(const sim::Scenario& scenario, bus::Bus& bus, double wait_s) {
   // Shared with the handlers, which the bus keeps for good.
-  const auto robots = std::make_shared<ToldByRobot>();
+  const auto robots = std::make_shared<SentByRobot>();
   for (const sim::RobotSpec& robot : scenario.robots) {
     if (robot.follows.empty() || !robot.setpoint) continue;
     (*robots)[robot.name].setpoint = *robot.setpoint;
     bus.on_command(robot.name, [robots, name = robot.name](const bus::CommandReport& report) {
-      robots->at(name).heard_session(report.session);
+      robots->at(name).on_session(report.session);
     });
-    bus.on_status(robot.name, [robots, name = robot.name](const bus::StatusReport& report) {
-      robots->at(name).heard_status(report);
-    });
+    bus.on_status(robot.name,
+                  [robots, name = robot.name](const bus::StatusReport& report) { robots->at(name).on_status(report); });
   }
   const auto all_shown = [&] {
     return std::all_of(robots->begin(), robots->end(), [](const auto& entry) { return entry.second.shown; });

@@ -1,4 +1,4 @@
-// A whole coordinator in a process of one's own: follow_without_lcm CONFIG FOLDER. Pictures in, speeds out; no bus.
+// A whole coordinator in your own process: follow_without_lcm CONFIG FOLDER. Pictures in, speeds out; no bus.
 
 #include <cstdio>
 #include <exception>
@@ -24,7 +24,7 @@ int main(int argc, char** argv) try {
     if (result.observation) std::printf(", d = %.3f m", result.observation->distance_m);
     std::printf("\n");
   }
-  // No picture for longer than a measurement lives: whoever drives wheels asks at every period, and is told to stop.
+  // No picture for longer than a measurement is valid: a wheel driver calls this in every period and gets a stop.
   const pilotfish::MonotonicTime later{coordinator.held().until.us + 1};
   const pilotfish::StepResult end = coordinator.command_at(later);
   std::printf("later:   %-9s v = %+.3f m/s\n", std::string(to_string(end.status)).c_str(), end.command.linear_mps);

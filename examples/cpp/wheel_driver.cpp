@@ -1,5 +1,5 @@
-// Wheels of one's own that obey a coordinator: wheel_driver ROBOT [LCM_URL]. pilotfish-base does this, and more, for
-// differential drives; this is the least that is safe.
+// A wheel driver that executes a coordinator's commands: wheel_driver ROBOT [LCM_URL]. pilotfish-base does this, and
+// more, for differential drives; this is the minimum that is safe.
 
 #include <cstdio>
 #include <exception>
@@ -10,9 +10,9 @@
 
 namespace {
 
-constexpr std::int64_t kDeadline_us = 100'000;  // then the wheels stand still by themselves
+constexpr std::int64_t kDeadline_us = 100'000;  // then the wheels stop without a command
 
-void turn_wheels(const pilotfish::Twist& twist) {  // here belongs the motor controller
+void turn_wheels(const pilotfish::Twist& twist) {  // replace this by your motor controller
   std::printf("v = %+.3f m/s, w = %+.3f rad/s\n", twist.linear_mps, twist.angular_radps);
   std::fflush(stdout);
 }
@@ -25,20 +25,20 @@ int main(int argc, char** argv) try {
     return 64;
   }
   pilotfish::bus::Bus bus(argc > 2 ? argv[2] : "");
-  std::optional<pilotfish::SequenceGuard> guard;  // the first coordinator that speaks is obeyed, and no other
-  std::int64_t heard_us = 0;
+  std::optional<pilotfish::SequenceGuard> guard;  // accepts the first coordinator that sends, and no other
+  std::int64_t arrival_us = 0;
   bool moving = false;
   bus.on_command(argv[1], [&](const pilotfish::bus::CommandReport& report) {
     if (report.simulated || report.session == 0) return;  // not for real wheels
     if (!guard) guard.emplace(report.session);
     if (guard->accept(report.session, report.counter) != pilotfish::SequenceVerdict::accepted) return;
-    heard_us = bus.arrival().us;  // it may have waited since
+    arrival_us = bus.arrival().us;  // not now: it may have waited in the queue
     moving = report.command.linear_mps != 0.0 || report.command.angular_radps != 0.0;
     turn_wheels(report.command);
   });
   while (true) {
     bus.handle(10);
-    if (moving && pilotfish::monotonic_now().us - heard_us > kDeadline_us - 15'000) {
+    if (moving && pilotfish::monotonic_now().us - arrival_us > kDeadline_us - 15'000) {
       moving = false;
       turn_wheels({});
     }

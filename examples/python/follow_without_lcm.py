@@ -17,6 +17,6 @@ for frame in capture.open_images(sys.argv[2], frame_rate_hz=file.frame_rate_hz):
         f"{frame.utime * 1e-6:.3f} s: {result.status.name:9} v = {result.command.linear_mps:+.3f} m/s, "
         f"w = {result.command.angular_radps:+.3f} rad/s{distance}"
     )
-# No picture for longer than a measurement lives: whoever drives wheels asks at every period, and is told to stop.
+# No picture for longer than a measurement is valid: a wheel driver calls this in every period and gets a stop.
 end = pilot.command_at(now_us=frame.utime + 200_000)
 print(f"later:   {end.status.name:9} v = {end.command.linear_mps:+.3f} m/s")

@@ -41,13 +41,13 @@ class MissingPackageError(PilotfishError, ImportError):
 
 
 class SilentRobotError(PilotfishError, RuntimeError):
-    """Nobody of that name is heard on the bus; the message says where and for how long."""
+    """No robot of that name answers on the bus; the message says where and for how long."""
 
     exit_code = 69
 
 
 class OperatorError(PilotfishError, RuntimeError):
-    """A coordinator that is heard, but does not do what it is asked; the message has its reason and its status."""
+    """A coordinator that answers, but does not comply; the message has its reason and its status."""
 
     exit_code = 70
 

@@ -50,7 +50,7 @@ def new_key(path: Path) -> None:
 class Operator:
     """A connection to one robot's coordinator. Each request returns the status that shows it.
 
-    Raises SilentRobotError if no coordinator is heard, and OperatorError if one is, but does not do it.
+    Raises SilentRobotError if no coordinator answers, and OperatorError if one does not comply.
     """
 
     def __init__(self, robot: str, *, lcm_url: str = "", key: Key | None = None, key_file: Path | None = None) -> None:
@@ -67,8 +67,8 @@ class Operator:
         if key is not None:
             self._bus.set_key(key)
         self.robot = robot
-        self.status: StatusReport | None = None  # the last one heard
-        self.base: BaseReport | None = None  # the last one heard of the process that owns the wheels
+        self.status: StatusReport | None = None  # the last one received
+        self.base: BaseReport | None = None  # the last one received from the wheels' process
         self.sent = 0  # messages, by the last request
         self._statuses = self._bases = 0
         self._rejected: dict[str, int] = {}
@@ -83,9 +83,9 @@ class Operator:
         return self._status()
 
     def stop(self, within_s: float = WITHIN_S) -> StatusReport:
-        """Sends from the first moment, also to a coordinator that is not heard; at least three times.
+        """Sends from the first moment, also to a coordinator that does not answer; at least three times.
 
-        Until the coordinator shows it, and the wheels (pilotfish-base), if they are heard.
+        Until the coordinator shows it, and the wheels (pilotfish-base), if they answer.
         """
         self.sent, heard, heard_bases = 0, self._statuses, self._bases
         wheels_stopped = lambda: self.base is None or (self._bases > heard_bases and self._wheels_stopped())  # noqa: E731

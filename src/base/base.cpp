@@ -60,12 +60,13 @@ BaseOutput Base::step(MonotonicTime now) noexcept {
   } else if (latch_.stopped()) {
     output.state = BaseState::stopped;
   } else if (command) {
-    const double passed_s = told_at_ ? static_cast<double>(now.us - told_at_->us) * 1e-6 : 0.0;
+    const double passed_s = last_command_at_ ? static_cast<double>(now.us - last_command_at_->us) * 1e-6 : 0.0;
     output.state = BaseState::driving;
-    output.command = limit(config_.limits, config_.wheels, *command, told_, std::clamp(passed_s, 0.0, kLongestStep_s));
+    output.command =
+        limit(config_.limits, config_.wheels, *command, last_command_, std::clamp(passed_s, 0.0, kLongestStep_s));
   }
-  told_ = output.command;
-  told_at_ = now;
+  last_command_ = output.command;
+  last_command_at_ = now;
   return output;
 }
 

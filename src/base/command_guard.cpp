@@ -35,9 +35,9 @@ CommandGuard::Sender* CommandGuard::find(std::int64_t session) noexcept {
   return found == senders_.end() ? nullptr : found;
 }
 
-/// A process that was stopped, or starved, finds a queue of commands of which nobody knows how old they are. A pause of
-/// half a command's life is one: for a whole life after it nothing is accepted, and by then the queue has been emptied.
-/// Nor does anybody know whether the sender was silent in the meantime: its silence is counted from now.
+/// A process that was stopped, or starved, finds a queue of commands of unknown age. A pause of
+/// half a command's life counts as that: for a whole life after it nothing is accepted, and by then the queue is empty.
+/// Whether the sender was silent in the meantime is unknown as well: its silence is counted from now.
 void CommandGuard::advance(MonotonicTime now) noexcept {
   const std::int64_t life_us = microseconds(config_.max_command_age_s);
   if (last_now_.us != 0 && now.us - last_now_.us > life_us / 2) {
@@ -75,8 +75,8 @@ CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTi
   if (obeyed_ == command.session) last_heard_ = now;
   if (later(arrived.us, microseconds(config_.max_command_age_s)) <= now.us) return CommandVerdict::stale;
   if (now < gap_until_) return CommandVerdict::after_gap;
-  // Who was only silent (a process that was stopped for a while) may go on, with counters that still rise. Once
-  // somebody else drives, its session is over for good.
+  // A sender that was only silent (a process that was stopped for a while) may go on, with counters that still rise.
+  // Once another one is active, its session has ended for good.
   if (silent_ != 0 && silent_ != command.session) find(silent_)->ended = true;
   silent_ = 0;
   obeyed_ = command.session;

@@ -9,7 +9,7 @@ std::uint16_t ControllerLink::next_sequence(MonotonicTime now) noexcept {
 }
 
 void ControllerLink::echoed(std::uint16_t sequence) noexcept {
-  // How many lines ago, modulo 2^16 like the numbers themselves: what lies farther back is not remembered.
+  // How many lines ago, modulo 2^16 like the numbers themselves: older lines are not stored.
   const auto behind = static_cast<std::uint16_t>(sequence_ - sequence);
   const Sent& sent = sent_[sequence % kRemembered];
   if (behind >= kRemembered || !sent.valid) return;

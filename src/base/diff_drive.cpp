@@ -12,9 +12,9 @@ std::int32_t wrapped_difference(std::int32_t now, std::int32_t before) noexcept 
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(now) - static_cast<std::uint32_t>(before));
 }
 
-/// A gap longer than this between two readings says nothing about the speed now.
+/// After a gap longer than this between two readings the present speed is unknown.
 constexpr std::uint32_t kLongestGap_ms = 1000;
-constexpr double kImplausible = 2.0;  // times what the wheels can do
+constexpr double kImplausible = 2.0;  // times the wheels' limit
 constexpr double kSlackTicks = 4.0;   // a reading's own rounding, in very short intervals
 
 }  // namespace
@@ -51,7 +51,7 @@ std::optional<Twist> WheelOdometry::update(const EncoderReading& reading) noexce
     ++jumps_;
     return std::nullopt;
   }
-  // Both wheels turned evenly in between, as well as one can know: then the robot went along an arc, exactly.
+  // Both wheels are assumed to have turned evenly in between: then the robot went along an arc, exactly.
   const Twist twist = twist_of(geometry_, {left_ticks * rad_per_tick / dt_s, right_ticks * rad_per_tick / dt_s});
   pose_ = move_along_arc(pose_, twist, dt_s);
   return twist;

@@ -27,7 +27,7 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kQueueBytes = 32U << 20;  // ten seconds of JPEG at 30 Hz
-constexpr milliseconds kSync{2000};             // a power cut may cost so much
+constexpr milliseconds kSync{2000};             // a power cut loses at most this much
 constexpr milliseconds kIdle{200};
 constexpr milliseconds kLastWords{2000};
 /// Every start holds the whole configuration: after gaps, which mean that the disk is slow, not more often than that.
@@ -63,7 +63,7 @@ struct BlackBox::Shared {
   // From any thread.
   void record(Event&& event) noexcept;
 
-  // What one thread, the core's, does.
+  // By one thread, the core's.
   template <class Encode>
   void record_call(const Coordinator& core, const Encode& encode) noexcept;
   void record_start(const Coordinator& core);
@@ -80,7 +80,7 @@ struct BlackBox::Shared {
   std::int64_t sequence = 0, last_start_us = 0;
   std::atomic<std::int64_t> last_picture_us{0};
   std::atomic<bool> has_gap{false}, is_full{false};  ///< either asks for a start
-  bool asked_for_next = false;                       ///< the writing thread's: it has said is_full of this file
+  bool asked_for_next = false;                       ///< the writing thread's: it has set is_full for this file
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> written{0}, dropped{0}, lost{0}, files{0};
   mutable std::mutex trouble_mutex;

@@ -62,7 +62,7 @@ SegmentRing::~SegmentRing() {
   if (lock_ >= 0) close(lock_);
 }
 
-/// Held by the process, so that the kernel gives it back however this ends.
+/// Held by the process, so that the kernel releases it however this ends.
 void SegmentRing::lock_directory() {
   const std::filesystem::path path = directory_ / ("." + name_ + ".lock");
   lock_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kMode);
@@ -125,7 +125,7 @@ void SegmentRing::close_segment() {
 
 bool SegmentRing::delete_oldest() {
   if (older_.empty()) return false;
-  unlink(older_.front().path.c_str());  // who cannot delete it must not try for ever
+  unlink(older_.front().path.c_str());  // if it cannot be deleted, do not retry for ever
   older_bytes_ -= older_.front().bytes;
   older_.pop_front();
   return true;
@@ -144,7 +144,7 @@ bool SegmentRing::write(const Event& event) {
   buffer_.insert(buffer_.end(), event.data.begin(), event.data.end());
   const auto bytes = static_cast<std::int64_t>(buffer_.size());
   if (bytes > limits_.total_bytes) return errno = EFBIG, false;
-  // Whoever should have begun a new file has not: a limit is a limit.
+  // The caller has not begun a new file; the limit applies nevertheless.
   if (file_ >= 0 && bytes_ > 0 && bytes_ + bytes > limits_.total_bytes / 2) close_segment();
   while (older_bytes_ + bytes_ + bytes > limits_.total_bytes && delete_oldest()) {
   }
@@ -155,7 +155,7 @@ bool SegmentRing::write(const Event& event) {
     }
   } while (make_room_on_full_disk());
   const int problem = errno;
-  // Too long a file, or a disk with an error: perhaps the next file fares better.
+  // Too long a file, or a disk with an error: the next file may succeed.
   if (problem != ENOSPC && problem != EDQUOT) close_segment();
   errno = problem;
   return false;

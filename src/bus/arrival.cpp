@@ -7,7 +7,7 @@
 namespace pilotfish::bus {
 namespace {
 
-/// A step of the wall clock below this makes no difference worth a refusal.
+/// A smaller step of the wall clock is no reason for a refusal.
 constexpr std::int64_t kNoStepUs = 2000;
 /// Three readings in a row normally take less than 1 us; more, and the process was interrupted between them.
 constexpr std::int64_t kAtOnceUs = 50;

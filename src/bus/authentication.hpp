@@ -6,8 +6,8 @@
 
 namespace pilotfish::bus {
 
-/// By what a message is told from a forged one, if a key is configured. The channel belongs to it, so that what was
-/// said to one robot cannot be repeated to another.
+/// Distinguishes a message from a forged one, if a key is configured. The channel is included, so that a message
+/// to one robot cannot be replayed to another.
 struct Authentication {
   const Key* key = nullptr;  ///< none: everyone is accepted
   std::string_view channel;

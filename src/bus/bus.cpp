@@ -168,7 +168,7 @@ Bus::Bus(const std::string& url) : connection_(std::make_unique<Connection>()) {
   if (!connection_->lcm)
     throw BusError("liblcm cannot open " + connection_->url +
                    "; a URL looks like udpm://239.255.76.67:7667?ttl=0 or memq://");
-  // liblcm 1.3.1 can be crashed, and made to write anywhere, by two datagrams: it never gets to see one.
+  // liblcm 1.3.1 can be crashed, and made to write anywhere, by two datagrams: it is never given one.
   if (multicast) {
     const Count count = [bus = connection_.get()](std::string_view kind, std::int64_t times) {
       bus->count(kind, times);

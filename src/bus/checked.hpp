@@ -8,7 +8,7 @@
 
 namespace pilotfish::bus {
 
-/// What came off the wire: a value that passed every check, or the name of the check that it failed (as
+/// A received value that passed every check, or the name of the check that it failed (as
 /// counted in Bus::rejected()). Both, if only a part of it can be accepted.
 template <class Value>
 struct Checked {
@@ -20,7 +20,7 @@ struct Checked {
   static Checked reject(std::string_view rejection) { return {std::nullopt, rejection}; }
 };
 
-/// Of a message's utime: half of the range, so that whoever subtracts two times cannot overflow.
+/// Of a message's utime: half of the range, so that a difference of two times cannot overflow.
 inline bool is_usable_time(std::int64_t utime) {
   return utime >= 0 && utime <= std::numeric_limits<std::int64_t>::max() / 2;
 }

@@ -31,7 +31,7 @@ std::string words(Status status, Reason reason) {
   return text;
 }
 
-/// A page of a long list is what fits; page after page, whoever listens to a few messages has seen every name.
+/// A page of a long list is what fits; page after page, a few messages contain every name.
 std::vector<counter_t> encode(const Counters& counters, std::size_t at_most, std::size_t size_bytes, std::size_t turn) {
   std::vector<std::vector<counter_t>> pages(1);
   const auto fits = [&](const std::vector<counter_t>& page, std::size_t count, std::size_t room_bytes) {

@@ -24,7 +24,7 @@ bool is_known(int status, int reason);
 /// "lost: no tag in the picture"
 std::string words(Status status, Reason reason);
 
-/// Hands finite numbers through and turns others into zeros, remembering that it had to.
+/// Passes finite numbers through, turns others into zeros, and records that it did.
 struct FiniteOrZero {
   bool repaired = false;
   double operator()(double value) {

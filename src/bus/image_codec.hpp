@@ -18,7 +18,7 @@ constexpr bool travels_raw(std::size_t image_bytes, int receive_buffer_bytes) {
 /// The message for a picture that passed check(frame.image); nothing if it cannot be encoded.
 std::optional<bot_core::image_t> encode_image(const Frame& frame, bool raw);
 
-/// What a bot_core.image_t says of itself, and where its bytes lie.
+/// The header of a bot_core.image_t, and where its bytes lie.
 struct ImageHeader {
   std::int64_t utime = 0;
   std::int32_t width = 0, height = 0, row_stride = 0, pixelformat = 0;

@@ -24,7 +24,7 @@ struct WireMessage {
 /// Counts what was refused, under a name of at most 24 letters; the names are few and fixed.
 using Count = std::function<void(std::string_view kind, std::int64_t times)>;
 
-/// What one call of Bus::handle() may take off the wire, so that no flood keeps it. A socket's buffer of 4 MiB
+/// What one call of Bus::handle() may take off the wire, so that no flood blocks it. A socket's buffer of 4 MiB
 /// holds less than the bytes.
 struct Budget {
   int datagrams = 1000;
@@ -37,7 +37,7 @@ struct Budget {
   }
 };
 
-/// Where a Bus has its messages from: our own receiver for udpm://, liblcm for its other providers.
+/// The source of a Bus's messages: our own receiver for udpm://, liblcm for its other providers.
 class Incoming {
  public:
   Incoming() = default;

@@ -24,7 +24,7 @@ LastWords::LastWords(const std::string& url, const std::string& channel, const s
   address_.sin_family = AF_INET;
   address_.sin_port = htons(multicast->port);
   ::inet_pton(AF_INET, multicast->group.c_str(), &address_.sin_addr);
-  // liblcm's short message: magic, sequence number (which no receiver looks at in a short one), channel, payload.
+  // liblcm's short message: magic, sequence number (which no receiver uses in a short one), channel, payload.
   using namespace std::string_view_literals;
   constexpr std::string_view kHeader = "LC02\0\0\0\0"sv;
   datagram_.assign(kHeader.begin(), kHeader.end());

@@ -13,8 +13,8 @@ namespace pilotfish::bus {
 /// Messages of liblcm's other providers: memq://, file://, tcpq://, ...
 class LiblcmIncoming final : public Incoming {
  public:
-  /// `stamped`: the provider's times of arrival are true (memq). Those of a log are its own, and those of tcpq say
-  /// when a message was read, not when it came: then the last instant counts at which nothing was there.
+  /// `stamped`: the provider's times of arrival are true (memq). Those of a log are its own, and those of tcpq are
+  /// of the reading, not of the arrival: then the last instant at which nothing was there is used.
   LiblcmIncoming(lcm_t* lcm, bool stamped) : lcm_(lcm), stamped_(stamped), empty_(read_clocks()) {}
 
   void subscribe(const std::string& channel, bool large) override;

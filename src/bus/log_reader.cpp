@@ -17,7 +17,7 @@ struct LogReader::File {
 };
 
 LogReader::LogReader(const std::string& path, const std::string& channel) : file_(std::make_unique<File>()) {
-  std::error_code error;  // a pipe would keep us waiting, a device never ends
+  std::error_code error;  // a pipe would block, a device never ends
   if (!std::filesystem::is_regular_file(path, error))
     throw BusError("cannot read the LCM log " + path + ": no such file");
   file_->stream.open(path, std::ios::binary);

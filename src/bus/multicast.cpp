@@ -64,7 +64,7 @@ const sockaddr* generic(const sockaddr_in& address) { return reinterpret_cast<co
 
 void join(const Socket& receiver, const MulticastUrl& url) {
   const sockaddr_in address = address_of(url);
-  receiver.set(SOL_SOCKET, SO_REUSEADDR, 1);  // what lets several programs listen to one multicast port on Linux
+  receiver.set(SOL_SOCKET, SO_REUSEADDR, 1);  // allows several programs to receive on one multicast port on Linux
   if (url.receive_buffer_bytes > 0) receiver.set(SOL_SOCKET, SO_RCVBUF, url.receive_buffer_bytes);
   if (::bind(receiver.descriptor(), generic(address), sizeof address) != 0)
     throw BusError("cannot listen on " + name_of(url) + ": " + std::strerror(errno) +
@@ -76,7 +76,7 @@ void join(const Socket& receiver, const MulticastUrl& url) {
 }
 
 /// liblcm's short message: magic "LC02", sequence number, channel, payload. The payload carries the sender's
-/// port, by which we know our own message from those of other programs that start at the same time.
+/// port, which distinguishes our own message from those of other programs that start at the same time.
 std::string self_test_message(const Socket& sender) {
   sockaddr_in own{};
   socklen_t size = sizeof own;

@@ -6,7 +6,7 @@
 
 namespace pilotfish::bus {
 
-/// The parts of "udpm://group:port?ttl=N&recv_buf_size=N" that the kernel cares about.
+/// The parts of "udpm://group:port?ttl=N&recv_buf_size=N" that the kernel uses.
 struct MulticastUrl {
   std::string group;
   std::uint16_t port = 0;
@@ -19,13 +19,13 @@ struct MulticastUrl {
 std::optional<MulticastUrl> parse_multicast_url(const std::string& url);
 
 /// A non-blocking socket that has joined the group, beside any others on the same port. The caller closes it. Throws
-/// BusError saying what to do.
+/// BusError with the remedy.
 int open_multicast_receiver(const MulticastUrl& url);
 
-/// Tells within 0.2 s whether this host receives itself: opens a receiver, sends itself
+/// Checks within 0.2 s whether this host receives its own messages: opens a receiver, sends itself
 /// liblcm's own self-test message and waits for it. (liblcm's own receiver would
 /// wait 10 s for it.) Returns the size of the receive buffer that the kernel grants to such a socket. Throws
-/// BusError saying what to do.
+/// BusError with the remedy.
 int check_multicast(const MulticastUrl& url);
 
 }  // namespace pilotfish::bus

@@ -13,7 +13,7 @@ constexpr std::uint32_t kShort = 0x4c433032, kFragment = 0x4c433033;  // "LC02",
 constexpr std::size_t kShortHeader = 8, kFragmentHeader = 20, kMaxChannelLetters = 63;
 /// What a part behind a gap takes beside its bytes; many of one byte each must not slip under the limit.
 constexpr std::size_t kPartOverhead = 128;
-/// Set aside at once for a message that promises as much; not touched before the bytes are there.
+/// Reserved at once for a message that announces as much; not touched before the bytes arrive.
 constexpr std::size_t kMaxReserve = 4 << 20;
 
 /// The text up to the zero that ends it; empty if there is none within the letters that a channel may have.
@@ -205,7 +205,7 @@ Reassembly::Messages::iterator Reassembly::begin(const Fragment& fragment, Monot
 }
 
 std::optional<WireMessage> Reassembly::finish_if_whole(Messages::iterator message) {
-  // Fragments 1 and up may have come before number 0, which says that nobody wants them.
+  // Fragments 1 and up may have arrived before number 0, whose channel shows that they are not wanted.
   const bool unwanted = !message->channel.empty() && !wants(message->channel);
   if (unwanted) {
     close(message->key, false);
@@ -214,7 +214,8 @@ std::optional<WireMessage> Reassembly::finish_if_whole(Messages::iterator messag
   }
   if (message->payload.size() < message->message_bytes) return std::nullopt;
   close(message->key, true);
-  // All bytes are there, so as many fragments as were announced must be: else two had one number, or one lied.
+  // All bytes are there, so as many fragments as were announced must be: otherwise two had one number, or one was
+  // wrong.
   if (message->received != message->fragments) {
     drop(message, "fragment_mismatch");
     return std::nullopt;

@@ -29,15 +29,15 @@ struct ReassemblyLimits {
   std::int64_t patience_us = 1'000'000;  ///< from a message's first fragment to its last
 };
 
-/// LCM's datagrams in, whole messages out. No socket, no clock, and nothing that a datagram says is taken on trust:
-/// what liblcm 1.3.1 does with a fragment's offset lets 64 bytes write anywhere. Big endian:
+/// LCM's datagrams in, whole messages out. No socket, no clock, and no field of a datagram is used unchecked:
+/// in liblcm 1.3.1 a fragment's offset lets 64 bytes be written anywhere. Big endian:
 ///
 ///   short:     "LC02", u32 sequence number, channel with a final zero, payload
 ///   fragment:  "LC03", u32 sequence number, u32 payload bytes of the message, u32 offset of this part,
 ///              u16 number of this fragment, u16 fragments; number 0 goes on with the channel and its zero; the part
 ///
 /// Fragments of a message share sender and sequence number. They may come in any order. A message's memory grows with
-/// the bytes that have come, not with those it promises. A byte once there is never overwritten: a repeated fragment
+/// the bytes received, not with those announced. A byte once received is never overwritten: a repeated fragment
 /// is ignored if it is the same, else the message is dropped.
 class Reassembly {
  public:
@@ -89,7 +89,7 @@ class Reassembly {
   std::optional<WireMessage> finish_if_whole(Messages::iterator message);
   bool make_room(const Unfinished& message, std::size_t bytes);
   void expire(MonotonicTime now);
-  /// With a kind, it is counted, and what still comes of the message is of no interest.
+  /// With a kind, it is counted, and further fragments of the message are ignored.
   void drop(Messages::iterator message, std::string_view kind = {});
   void close(const Key& key, bool wanted);
   Closed* closed(const Key& key);
@@ -99,7 +99,7 @@ class Reassembly {
   ReassemblyLimits limits_;
   std::set<std::string, std::less<>> subscribed_;
   Messages unfinished_;              ///< oldest first
-  std::array<Closed, 64> closed_{};  ///< a ring: messages whose further fragments are of no interest
+  std::array<Closed, 64> closed_{};  ///< a ring: messages whose further fragments are ignored
   std::size_t next_closed_ = 0;
   std::size_t held_bytes_ = 0;
 };

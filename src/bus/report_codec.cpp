@@ -39,7 +39,7 @@ tag_detection_t encode(const TagDetection& tag) {
   return message;
 }
 
-constexpr double kUnitWithin = 0.01;  // what rounding to single precision and a sloppy sender leave of 1
+constexpr double kUnitWithin = 0.01;  // deviation from 1 by single precision and an inexact sender
 
 bool is_sound_command(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
@@ -47,7 +47,7 @@ bool is_sound_command(const void* data, std::size_t size_bytes) {
   return reader.skip(kBeforeText) && reader.skip_string() && reader.skip(kMac) && reader.at_end();
 }
 
-/// Python's lcm sends a mac that nobody has set as no bytes at all.
+/// Python's lcm sends a mac that was not set as no bytes at all.
 bool decode_without_mac(setpoint_t& message, const void* data, std::size_t size_bytes) {
   const auto whole = static_cast<std::size_t>(message.getEncodedSize());
   if (size_bytes != whole - sizeof(message.mac)) return false;
@@ -146,7 +146,7 @@ Checked<SetpointReport> decode_setpoint(const void* data, std::size_t size_bytes
                                         const Authentication& authentication) {
   using Result = Checked<SetpointReport>;
   setpoint_t message{};
-  // Nothing in a stop can be so wrong that the robot should go on.
+  // No fault in a stop message is a reason for the robot to go on.
   const auto refuse = [&message](std::string_view rejection) {
     SetpointReport bare_stop;
     bare_stop.utime = message.utime;

@@ -17,7 +17,7 @@ static_assert(static_cast<int>(BaseReport::State::fault) == base_t::STATE_FAULT)
 
 constexpr std::size_t kStageCounts = std::tuple_size_v<decltype(StageReport::counts)>;
 
-/// What the list of counters may take of a message that is complete but for them.
+/// The space for the list of counters in a message that is otherwise complete.
 template <class Message>
 std::size_t room_left(const Message& message) {
   const auto taken = static_cast<std::size_t>(message.getEncodedSize());
@@ -32,7 +32,7 @@ stage_t encode(const StageReport& stage, FiniteOrZero& finite) {
   return message;
 }
 
-// What one row of PILOTFISH_STATUS_FIELDS is, for those who do not ask where its value comes from.
+// A row of PILOTFISH_STATUS_FIELDS without the source of its value.
 #define PILOTFISH_FRAME_FIELD(type, name, unit, source, value, text) PILOTFISH_FIELD(type, name)
 #define PILOTFISH_LOOP_FIELD(type, name, unit, value, text) PILOTFISH_FIELD(type, name)
 #define PILOTFISH_ALL_FIELDS PILOTFISH_STATUS_FIELDS(PILOTFISH_FRAME_FIELD, PILOTFISH_LOOP_FIELD)

@@ -20,7 +20,7 @@ namespace pilotfish::bus {
 namespace {
 
 constexpr std::size_t kMaxDatagram = 65536;
-/// How long a change of this host's addresses may go unnoticed: reading them costs more than a datagram.
+/// How often this host's addresses are read again: reading them costs more than a datagram.
 constexpr std::int64_t kAddressesGoodForUs = 1'000'000;
 
 /// For the kernel: no datagram that begins with "LC03". The loads are relative to the UDP header of 8 bytes; a load
@@ -37,7 +37,7 @@ void refuse_fragments_in_the_kernel(int descriptor) {
   ::setsockopt(descriptor, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter);  // refused: it only costs more
 }
 
-/// 0.0.0.0 too: a host whose only route is that of loopback sends from there. From outside no kernel lets it in.
+/// 0.0.0.0 too: a host whose only route is that of loopback sends from there. The kernel accepts it from no other host.
 std::vector<std::uint32_t> addresses_of_this_host() {
   std::vector<std::uint32_t> addresses{INADDR_ANY};
   ifaddrs* list = nullptr;
@@ -67,7 +67,7 @@ std::uint32_t drops_until_now(int descriptor) {
   return numbers[SK_MEMINFO_DROPS];
 }
 
-/// What the kernel says about a datagram beside its bytes.
+/// The kernel's information on a datagram beside its bytes.
 struct Received {
   ssize_t size_bytes = -1;
   sockaddr_in sender{};
@@ -145,7 +145,7 @@ std::optional<WireMessage> UdpmReceiver::next(Budget& budget) {
     }
     const auto size_bytes = static_cast<std::size_t>(received.size_bytes);
     budget.use(size_bytes);
-    // The kernel's number also has what its filter refused: then it says nothing.
+    // The kernel's number includes what its filter refused, and is then useless.
     if (received.drops && takes_fragments_ && *received.drops != kernel_drops_) {
       count_("receive_buffer_full", *received.drops - kernel_drops_);
       kernel_drops_ = *received.drops;
@@ -180,7 +180,7 @@ bool UdpmReceiver::is_foreign(std::uint32_t address, MonotonicTime now) {
   if (!own_addresses_.empty() && now.us - own_addresses_read_.us < kAddressesGoodForUs) return true;
   own_addresses_ = addresses_of_this_host();
   own_addresses_read_ = now;
-  return own_addresses_.size() > 1 && !is_own();  // 1: the kernel would not say
+  return own_addresses_.size() > 1 && !is_own();  // 1: the kernel did not list them
 }
 
 }  // namespace pilotfish::bus

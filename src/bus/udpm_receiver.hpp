@@ -30,7 +30,7 @@ class UdpmReceiver final : public Incoming {
   MulticastUrl url_;
   Count count_;
   Reassembly reassembly_;
-  int socket_ = -1;  ///< from the first subscription on: who only publishes has none to fill up
+  int socket_ = -1;  ///< from the first subscription on: a publisher alone needs none
   bool takes_fragments_ = false;
   std::uint32_t kernel_drops_ = 0;
   Clocks empty_;  ///< what waits now came after this

@@ -6,8 +6,8 @@
 
 namespace pilotfish::bus {
 
-/// Walks over an encoded LCM message (big endian) without ever leaving it. lcm-gen's decoders trust the
-/// counts they read: a count of 2^31-1 makes them allocate before they notice that the bytes are missing, and
+/// Walks over an encoded LCM message (big endian) without ever leaving it. lcm-gen's decoders do not check the
+/// counts they read: a count of 2^31-1 makes them allocate before the missing bytes are detected, and
 /// a string length of zero or less is used as it is. So every message with a variable length is walked first
 /// and decoded only if the counts add up to exactly its size.
 class WireReader {

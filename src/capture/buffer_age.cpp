@@ -11,8 +11,8 @@ constexpr std::int64_t kShortestSleepUs = 10'000;
 }  // namespace
 
 ClockReading read_clocks() noexcept {
-  // Boottime first: if this thread is held up in between, boottime - monotonic comes out too small, and the most that
-  // was ever seen is what counts. The wall clock last, beside the monotonic one.
+  // Boottime first: if this thread is delayed in between, boottime - monotonic comes out too small, and the largest
+  // value so far is used. The wall clock last, beside the monotonic one.
   const std::int64_t boottime_us = monotonic_now().us;
   const std::int64_t monotonic_us = unsuspended_now_us();
   return {monotonic_us, boottime_us, wall_utime()};
@@ -39,7 +39,7 @@ std::int64_t buffer_age_us(const v4l2_buffer& buffer, std::int64_t queue_seen_em
 }
 
 bool has_monotonic_stamp(const v4l2_buffer& buffer) noexcept {
-  // What is no time at all cannot be computed with; 2^40 s are 35 000 years.
+  // Reject values that are no time at all; 2^40 s are 35 000 years.
   constexpr std::int64_t kFarSeconds = std::int64_t{1} << 40;
   const std::int64_t stamp_s = buffer.timestamp.tv_sec, stamp_us = buffer.timestamp.tv_usec;
   return (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC && stamp_s > -kFarSeconds &&

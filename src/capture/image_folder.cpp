@@ -11,13 +11,13 @@
 namespace pilotfish::capture {
 namespace {
 
-/// A raw picture of the largest size in 16-bit colour would be larger, but nobody has one; a photograph is some MB.
+/// A raw picture of the largest size in 16-bit colour would be larger, but none is expected; a photograph is some MB.
 constexpr std::size_t kMaxPictureBytes = std::size_t{256} << 20;
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
 
-/// By its content, whatever its name. A JPEG goes through our own strict decoder: OpenCV fills what is missing of a
-/// cut-off one with gray and says nothing. (Its decoders for the other formats refuse what is cut off; a test asks
-/// each.)
+/// By its content, whatever its name. A JPEG goes through our own strict decoder: OpenCV fills missing parts of a
+/// truncated one with gray and reports nothing. (Its decoders for the other formats refuse truncated files; a test
+/// checks each.)
 Frame read(const std::filesystem::path& path, std::int64_t utime) {
   Frame without_pixels{utime, {}, nullptr};
   const FileRead file = read_file(path, kMaxPictureBytes);
@@ -29,7 +29,7 @@ Frame read(const std::filesystem::path& path, std::int64_t utime) {
     return pixels ? Frame::from_pixels(utime, size->width, size->height, std::move(*pixels)) : without_pixels;
   }
   try {
-    // The raster as the sensor gave it: a calibration knows nothing of a camera held upright.
+    // The raster as the sensor gave it: a calibration does not depend on the orientation tag.
     const cv::Mat bytes(1, static_cast<int>(file.bytes->size()), CV_8U, const_cast<char*>(file.bytes->data()));
     return gray_frame(cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION), utime);
   } catch (const cv::Exception&) {  // a size beyond OpenCV's limit

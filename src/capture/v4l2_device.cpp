@@ -27,7 +27,7 @@ std::string why_not_opened(const std::string& path, int error) {
   return "the camera " + path + " cannot be opened: " + std::strerror(error);
 }
 
-/// What is wrong with the device as a source of pictures; nothing if it is one.
+/// Why the device is not a source of pictures; nothing if it is one.
 std::string why_no_camera(const V4l2Device& device) {
   v4l2_capability capability{};
   if (!device.ask(VIDIOC_QUERYCAP, &capability)) return "is no Video4Linux device";

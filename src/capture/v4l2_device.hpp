@@ -7,7 +7,7 @@ namespace pilotfish::capture {
 /// An open /dev/videoN.
 class V4l2Device {
  public:
-  /// Throws CaptureError that says what is wrong with the device and what to do.
+  /// Throws CaptureError with what is wrong with the device, and the remedy.
   explicit V4l2Device(int index);
   V4l2Device(V4l2Device&& other) noexcept;
   V4l2Device(const V4l2Device&) = delete;

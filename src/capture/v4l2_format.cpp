@@ -15,7 +15,7 @@
 namespace pilotfish::capture {
 namespace {
 
-/// A camera that says 29.97 Hz where 30 are asked for is fast enough.
+/// A camera that offers 29.97 Hz where 30 are requested is fast enough.
 constexpr double kFastEnough = 0.95;
 
 v4l2_format format_request(std::uint32_t fourcc, int width, int height) {
@@ -54,7 +54,7 @@ double highest_rate_hz(const V4l2Device& device, std::uint32_t fourcc, int width
   return highest > 0.0 ? highest : std::numeric_limits<double>::infinity();
 }
 
-/// "YUYV 640x480, MJPG 1280x720": what the driver makes of the wish in each format that it has.
+/// "YUYV 640x480, MJPG 1280x720": what the driver offers for the request in each of its formats.
 std::string what_it_offers(const V4l2Device& device, int width, int height) {
   std::string text;
   v4l2_fmtdesc description{};
@@ -87,7 +87,7 @@ std::optional<std::uint32_t> best_format(const V4l2Device& device, int width, in
   return best;
 }
 
-/// Asks for the rate; what the driver made of it, 0 if it does not say. No reason to refuse a camera: many have one.
+/// Requests the rate; returns what the driver granted, 0 if unknown, which is no reason to refuse a camera.
 double set_rate(const V4l2Device& device, double frame_rate_hz) {
   v4l2_streamparm parameters{};
   parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;

@@ -140,7 +140,7 @@ bool V4l2Stream::wait_until(std::int64_t deadline_us) {
   const int ready = ::poll(&waiting, 1, static_cast<int>((slice_us + 999) / 1000));
   if (ready < 0 && errno != EINTR) end("cannot be waited for", errno);
   if (ready > 0 && (waiting.revents & POLLIN) == 0) {
-    // Pulled out, or its stream stopped. Asking for a picture says why; waiting again would return at once, for ever.
+    // Unplugged, or its stream stopped. Requesting a picture returns the reason; waiting again would return at once.
     if (const auto late = take_one())
       give_back(late->index);
     else if (why_ended_.empty())

@@ -36,7 +36,7 @@ class V4l2Stream {
   /// Lets the driver fill the buffer again.
   void give_back(const FilledBuffer& filled) { give_back(filled.buffer.index); }
 
-  /// What the driver stamps, as it says so itself: "the exposure", "the end of a picture" or "nothing".
+  /// What the driver's stamps refer to, by its flags: "the exposure", "the end of a picture" or "nothing".
   const char* stamped() const;
   /// Why there will be no more pictures; empty while there may be.
   const std::string& why_ended() const { return why_ended_; }
@@ -60,7 +60,7 @@ class V4l2Stream {
   std::vector<Mapping> mappings_;
   std::string why_ended_;
   std::int64_t seen_empty_at_us_ = 0;
-  v4l2_buffer last_{};  ///< or the first as it was described; its flags tell what stamps to expect
+  v4l2_buffer last_{};  ///< or the first as it was described; its flags show what stamps to expect
 };
 
 }  // namespace pilotfish::capture

@@ -79,7 +79,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// The readers tell FLL by its name's end; nothing else of the old name is used.
+/// The readers recognise FLL by its name's end; nothing else of the old name is used.
 std::string local_name(std::size_t index, const ConfigText& file) {
   return std::to_string(index) + (std::filesystem::path(file.name).extension() == ".fll" ? ".fll" : ".txt");
 }

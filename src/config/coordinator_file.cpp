@@ -27,7 +27,7 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   root.finish();
 }
 
-/// A camera that is slower than measurements die makes the robot stutter: it must be told to wait longer, at less
+/// With a camera slower than measurements expire the robot stops in between: it needs a longer max_age_s, at less
 /// speed.
 void check_frame_rate(const YamlSection& root, const CoordinatorFile& file) {
   const double max_age_s = file.coordinator.safety.max_age_s;

@@ -118,7 +118,7 @@ void read_rules(const FllBlock& block, Controller& controller) {
       } catch (const std::invalid_argument& problem) {
         throw fll_error(line, problem.what());
       }
-    } else if (line.key != "description" && line.key != "disjunction") {  // without `or` disjunction is never asked
+    } else if (line.key != "description" && line.key != "disjunction") {  // without `or` disjunction is never used
       throw fll_error(line, "'" + line.key + "' is not a key of RuleBlock");
     }
   }

@@ -12,8 +12,8 @@ namespace {
 constexpr const char* kRadians = "_rad";
 
 /// yaml-cpp walks into a nested list for as long as it goes on (some 0.2 s per 100 kB) before it gives up at 500
-/// levels; nothing here nests more than six deep. Brackets in comments and quotes count as well: as if anyone wrote
-/// that many.
+/// levels; nothing here nests more than six deep. Brackets in comments and quotes count as well, which
+/// makes no difference in practice.
 constexpr int kMaxNesting = 64;
 
 int deepest_bracket(const std::string& text) {
@@ -38,7 +38,7 @@ double as_number(const YAML::Node& node, const ConfigError& wrong_type) {
   throw wrong_type;
 }
 
-/// "x_deg" -> "x_rad": whoever asked for the one has asked for the other.
+/// "x_deg" -> "x_rad": reading the one counts as reading the other.
 std::string radians_key(const std::string& key) {
   const bool in_degrees = key.size() > 4 && key.compare(key.size() - 4, 4, "_deg") == 0;
   return in_degrees ? key.substr(0, key.size() - 3) + "rad" : std::string();

@@ -8,8 +8,8 @@
 namespace pilotfish::control {
 namespace {
 
-// Beside the robot no speed of its own changes the distance: there the law must not divide by zero. Setpoints keep away
-// from there (kMaxBearing_rad), so this bounds a transient only.
+// If the leader is beside the robot, no speed of the robot changes the distance: there the law must not divide by zero.
+// Setpoints keep away from there (kMaxBearing_rad), so this bounds a transient only.
 constexpr double kMinCosine = 0.3;
 constexpr double kMinDistance_m = 0.05;
 
@@ -70,7 +70,7 @@ double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, 
   return room_m > 0.0 ? std::sqrt(coasting * coasting + 2.0 * a * room_m) - coasting : 0.0;
 }
 
-/// At full acceleration a up to the top speed V, the acceleration would end within one frame: a jolt of a / dt. With
+/// At full acceleration a up to the top speed V, the acceleration would end within one frame: a jerk of a / dt. With
 /// time constant T,
 ///
 ///   v' = (V - v) / T

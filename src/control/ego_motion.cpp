@@ -9,7 +9,7 @@ namespace pilotfish::control {
 namespace {
 
 constexpr double kArc_s = 0.005;      // the path is made of arcs of so long; error below 0.01 mm for such robots
-constexpr double kForgotten_s = 2.0;  // after so long with one command the robot does just that
+constexpr double kForgotten_s = 2.0;  // after this long with one command the robot has reached it
 
 Twist plus(const Twist& a, const Twist& b, double factor) {
   return {a.linear_mps + factor * b.linear_mps, a.angular_radps + factor * b.angular_radps};
@@ -26,7 +26,7 @@ std::string_view to_string(EgoMotionSource source) noexcept {
 EgoMotion::EgoMotion(const DriveModelConfig& drive, const LimitsConfig& limits) : drive_(drive), limits_(limits) {}
 
 void EgoMotion::command(const Twist& twist, std::int64_t acts_utime) noexcept {
-  if (!is_finite(twist)) return;  // never obeyed: the coordinator stops instead
+  if (!is_finite(twist)) return;  // never sent: the coordinator stops instead
   if (pending_.full()) take_first_pending();
   pending_.push_back({twist, acts_utime});
 }

@@ -35,7 +35,7 @@ bool is_there(const std::vector<LawDescription>& laws, std::string_view name) {
 constexpr Twist kNoTwist{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
 
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
-/// it, and every law here takes the opposite for granted. So the robot turns to it first.
+/// it, and every law here assumes the opposite. So the robot turns to it first.
 Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
   return std::abs(bearing_rad) < kPi / 2.0 ? wanted : Twist{0.0, wanted.angular_radps};
 }
@@ -128,7 +128,8 @@ Follower::Follower(FollowerConfig config)
 }
 
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
-  // The first measurement after a rest has no past: ec = 0, and the limits count one control period from standstill.
+  // The first measurement after a rest has no predecessor: ec = 0, and the limits count one control period from
+  // standstill.
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   FollowerOutput output;
@@ -172,12 +173,12 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   leader_.update(observation, own_.pose());
   if (!leader_.started()) return published;
 
-  // A command has taken effect one latency after the exposure and one lag later; that is the moment to think of.
+  // A command has taken effect one latency after the exposure and one lag later; that is the moment to predict for.
   const double delay_s = config_.drive.latency_s + config_.drive.actuator_lag_s;
   const std::int64_t effect_utime = later_s(observation.utime, delay_s);
   EgoMotion then = own_;
   then.advance_to(effect_utime);
-  // Only what this very picture shows can judge a leader intent.
+  // A leader intent is checked only against a measurement of this very frame.
   if (intent_.heard() && leader_.utime() == observation.utime)
     output.leader_intent = intent_.evaluate(leader_.at(observation.utime), own_.pose(), observation.utime);
   output.ego_motion = own_.source();
@@ -195,7 +196,7 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   wanted.linear_mps = (1.0 - weight) * published.linear_mps + weight * anticipation.wanted.linear_mps;
   wanted.angular_radps = (1.0 - weight) * published.angular_radps + weight * anticipation.wanted.angular_radps;
   const Reaction reaction{config_.limits, delay_s};
-  // The guards work on what is seen; what is announced may only make them stricter.
+  // The guards use the measurement; the leader intent can only make them stricter.
   wanted.linear_mps = std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
                                 stopping_speed(config_.anticipate, reaction, seen),
                                 eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, dt_s)});

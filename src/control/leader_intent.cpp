@@ -11,13 +11,13 @@ namespace {
 
 constexpr double kAhead_s = 0.3;    // of the picture: a camera's latency; later is another clock
 constexpr double kSigmas = 3.0;     // of the estimate, that a leader intent may be off
-constexpr double kDeparting = 2.0;  // tolerances, from which on a leader intent says something else than vision
+constexpr double kDeparting = 2.0;  // tolerances beyond which a leader intent differs from vision
 
 bool drives_away(const LeaderEstimate& seen, const Pose2& own) {
   return seen.mean.segment<2>(2).dot(seen.mean.head<2>() - Eigen::Vector2d(own.x_m, own.y_m)) > 0.0;
 }
 
-/// `seen` brought to what is announced, but only towards zero and not beyond.
+/// `seen` moved to the announced value, but only towards zero and not beyond.
 double no_faster(double seen, double announced) {
   return seen >= 0.0 ? std::clamp(announced, 0.0, seen) : std::clamp(announced, seen, 0.0);
 }
@@ -66,8 +66,8 @@ std::array<LeaderIntent::Axis, 2> LeaderIntent::axes(const LeaderEstimate& seen)
            {&Twist::angular_radps, seen.mean(5), sigma_radps, config_.angular_tolerance_radps}}};
 }
 
-/// Whether what was announced in the last confirmed_within_s before utime, and since, reaches what is seen: then vision
-/// may just be late.
+/// Whether the range of the intents in the last confirmed_within_s before utime, and since, contains the measurement:
+/// then vision may just be late.
 bool LeaderIntent::holds(const Axis& axis, std::int64_t utime) const noexcept {
   double least = newest().twist.*axis.of, most = least;
   for (const Announcement& said : heard_) {
@@ -95,7 +95,7 @@ LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& 
   const std::array<Axis, 2> both = axes(seen);
   if (!holds(both[0], utime) || !holds(both[1], utime)) return suspend(utime);
   if (!agreeing_since_ || seconds_between(*agreeing_since_, utime) < config_.probation_s) {
-    // Whoever hardly knows the speed cannot contradict: that is no merit of the leader_intent.
+    // A very uncertain estimate contradicts nothing, so this is no evidence for the leader intent.
     const bool sharp = kSigmas * both[0].sigma <= both[0].tolerance;
     if (!sharp) agreeing_since_.reset();
     if (sharp && !agreeing_since_) agreeing_since_ = utime;
@@ -108,15 +108,15 @@ LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& 
       slower = true;
       if (!claim) claim = std::abs(no_faster(both[i].seen, newest().twist.*both[i].of));
     } else if (claim) {
-      if (std::abs(both[i].seen) > *claim + both[i].margin()) return suspend(utime);  // never mind, it says: too late
+      if (std::abs(both[i].seen) > *claim + both[i].margin()) return suspend(utime);  // withdrawn too late
       claim.reset();
     }
   }
   return slower && drives_away(seen, own) ? LeaderIntentUse::used : LeaderIntentUse::agrees;
 }
 
-/// The velocity is shortened as a vector, so that a tag that hangs crooked is nothing special here either. What was
-/// known of its error no longer holds; the tolerance takes its place.
+/// The velocity is shortened as a vector, so that a tag that is mounted at an angle is no special case here either. Its
+/// old covariance no longer holds; the tolerance takes its place.
 LeaderEstimate LeaderIntent::slowed(const LeaderEstimate& seen) const noexcept {
   LeaderEstimate slow = seen;
   const auto set_sigma = [&slow](int of, double sigma) {

@@ -16,10 +16,10 @@ constexpr int kPosition = 0, kVelocity = 2, kHeading = 4, kTurn = 5;
 
 constexpr int kQuiescent = 0, kAbrupt = 2;  // and 1: manoeuvre
 
-// No measurement counts as more exact than this: what rounding and a rigid world leave over.
+// No measurement is taken as more exact than this, because of rounding and of imperfect rigidity.
 constexpr double kFloor_m = 2e-5, kFloor_rad = 5e-5;
-constexpr double kNoHeading_rad2 = 100.0;  // the variance of a heading that says nothing
-// Before anything is known, of a leader indoors.
+constexpr double kNoHeading_rad2 = 100.0;  // the variance of an unknown heading
+// The prior, for a leader indoors.
 constexpr double kUnknownSpeed_mps = 0.5, kUnknownTurn_radps = 0.7;
 constexpr std::array<double, 3> kPrior{0.4, 0.4, 0.2};
 
@@ -101,8 +101,7 @@ LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_si
 ///
 ///   dx = cos b dd - d sin b dtheta,   dy = sin b dd + d cos b dtheta,   dheading = dpsi.
 LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& seen, const Pose2& own) noexcept {
-  const RelativePose& seen_pose =
-      seen.measured.pose;  // this frame alone: what a filter has smoothed must not be filtered again
+  const RelativePose& seen_pose = seen.measured.pose;  // this frame alone: a filtered value must not be filtered again
   const double b = own.heading_rad + seen_pose.bearing_rad, d = seen_pose.distance_m;
   Eigen::Matrix3d jacobian;
   jacobian << std::cos(b), -d * std::sin(b), 0.0, std::sin(b), d * std::cos(b), 0.0, 0.0, 0.0, 1.0;
@@ -149,7 +148,7 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
 }
 
 /// Corrects all three filters and their probabilities. Returns the squared distance, in standard deviations, of the
-/// measurement from the nearest of the three predictions; not a number if that cannot be told.
+/// measurement from the nearest of the three predictions; not a number if it cannot be computed.
 double LeaderMotionEstimator::correct(const Measurement& z, double dt_s) noexcept {
   // Likelihoods relative to the best, in logarithms: far from all three they would all be zero.
   std::array<double, 3> log_likelihood{};
@@ -223,8 +222,8 @@ void LeaderMotionEstimator::mix(double dt_s) noexcept {
 
 LeaderEstimate LeaderMotionEstimator::predicted(int mode, double dt_s) const noexcept {
   // An abrupt change happens at once, right after the last measurement: then the whole way it explains was made with
-  // the new velocity. Noise spread over dt would take it for the end of a change that goes on (1.5 times as much, since
-  // cov(p, v) / var(p) = (dt^2/2) / (dt^3/3)), and read a leader that stops dead as one that reverses.
+  // the new velocity. Noise spread over dt would model it as the end of a continuing change (1.5 times as much, since
+  // cov(p, v) / var(p) = (dt^2/2) / (dt^3/3)), and estimate a leader that stops dead as reversing.
   if (mode == kAbrupt) {
     LeaderEstimate changed = modes_[mode];
     const double velocity = config_.abrupt_velocity_sigma, turn = config_.abrupt_turn_sigma;

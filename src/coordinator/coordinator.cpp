@@ -28,7 +28,7 @@ control::FieldOfView field_of_view(const CameraModel& camera, const CameraMounti
   return {right_rad, left_rad};
 }
 
-/// A camera that sees none of the bearings that may be kept would never let the robot drive.
+/// With a camera whose view contains none of the allowed bearings the robot could never drive.
 void check_view(const control::FieldOfView& view) {
   if (view.left_rad > -kMaxBearing_rad && view.right_rad < kMaxBearing_rad) return;
   std::ostringstream problem;
@@ -84,7 +84,7 @@ StampVerdict Coordinator::classify(std::int64_t utime, std::int64_t known_age_us
   const StampVerdict verdict = timeline_.classify(utime, known_age_us, now_);
   if (verdict.new_epoch) begin_epoch();
   held_.utime = timeline_.last_utime().value_or(0);
-  // Between the last measurement and this frame the wheels were told to stand still: the law starts from rest.
+  // Between the last measurement and this frame the command was zero: the law starts from rest.
   if (verdict.reason == Reason::none && !held_.fresh_at(now_))
     rest(held_.holding ? later(measured_utime_, max_age_us_) : utime);
   return verdict;
@@ -114,7 +114,7 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
     return result;
   }
   if (!sight.observation) {
-    if (sight.reason == Reason::camera_frozen) rest(utime);  // what was measured last may be as old as the picture
+    if (sight.reason == Reason::camera_frozen) rest(utime);  // the last measurement may be as old as the picture
     return not_measured(utime, sight.reason);
   }
 
@@ -122,7 +122,7 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   if (control.reason != Reason::none) {
     rest(utime);
     StepResult result = not_measured(utime, control.reason);
-    result.observation = sight.observation;  // so that a recording has what made the law fail
+    result.observation = sight.observation;  // so that a recording has the input on which the law failed
     return result;
   }
   measured_utime_ = utime;

@@ -43,8 +43,8 @@ bool FrameTimeline::is_proven(std::int64_t known_age_us, MonotonicTime now) noex
 }
 
 StampVerdict FrameTimeline::begin_epoch(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
-  // What begins an epoch vouches for all that follows, so here an age counts however large it is: a recording of an
-  // hour ago has stamps that are an hour old.
+  // The first frame of an epoch is the reference for all that follow, so here an age counts however large it is: a
+  // recording of an hour ago has stamps that are an hour old.
   if (static_cast<double>(known_age_us) < -kAhead_us) return {Reason::frame_time_implausible, false, 0};
   if (known_age_us > max_age_us_) return {Reason::frame_stale, false, 0};
   const bool first = !last_;
@@ -79,7 +79,7 @@ bool FrameTimeline::is_confirmed_quick(double offset_us, MonotonicTime now) noex
     quick_ = 0;
   }
   ++quick_;
-  // Stamps that run faster than time would do it again and again.
+  // Stamps that run faster than time would cause this repeatedly.
   if (quick_ < kQuickFrames || (quick_epoch_at_ && between_us(quick_epoch_at_->us, now.us) < kQuickAgainAfter_us))
     return false;
   quick_epoch_at_ = now;
@@ -87,7 +87,7 @@ bool FrameTimeline::is_confirmed_quick(double offset_us, MonotonicTime now) noex
 }
 
 StampVerdict FrameTimeline::classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
-  // Of the future by a clock that both sides share: no guess, so it does not speak for a new epoch either.
+  // In the future by a clock that both sides share: this is certain, so it is no evidence for a new epoch either.
   const auto known_us = static_cast<double>(known_age_us);
   const bool shared = std::abs(known_us) < kSharedClock_us;
   if (shared && known_us < -kAhead_us) return {Reason::frame_time_implausible, false, 0};

@@ -3,7 +3,7 @@
 namespace pilotfish {
 namespace {
 
-/// Whether it is the picture's fault rather than the leader's absence.
+/// Whether the picture is at fault rather than the leader absent.
 bool is_invalid_input(Reason reason) {
   const auto number = static_cast<std::size_t>(reason);
   return number < kReasons.size() && kReasons[number].kind == ReasonKind::input;

@@ -38,7 +38,7 @@ Eigen::Matrix2d distort_jacobian(const CameraModel& c, const Eigen::Vector2d& p)
 
 /// A lens maps every direction to a pixel of its own, and bends none by more than a fisheye does. A distortion that
 /// folds the picture over (a sign lost, or a pattern that was never near the corners) or stretches it beyond that (k1 =
-/// 1e9) makes angles out of nothing. The outermost tenth of the picture on each side is left out: there, the
+/// 1e9) gives meaningless angles. The outermost tenth of the picture on each side is left out: there, the
 /// polynomials of good calibrations are extrapolated.
 void check_lens(const CameraModel& camera) {
   if (!camera.has_distortion()) return;
@@ -71,7 +71,7 @@ void CameraModel::validate() const {
   for (auto [key, value] : {std::pair{"fx", fx}, std::pair{"fy", fy}})
     require(std::isfinite(value) && value > 0.1 * longest && value < 100.0 * longest, key, value,
             "a focal length in pixels lies between 0.1 and 100 image sides");
-  // Pixels are square within a few percent; beside each other, two focal lengths tell more than each alone.
+  // Pixels are square within a few percent, so comparing the two focal lengths reveals more than each alone.
   const double aspect = fx / fy;
   if (!(aspect > 1.0 / kMaxAspect && aspect < kMaxAspect)) {
     std::ostringstream problem;

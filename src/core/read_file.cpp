@@ -44,10 +44,10 @@ FileRead too_large(const std::filesystem::path& file, std::size_t max_bytes) {
 }  // namespace
 
 FileRead read_file(const std::filesystem::path& file, std::size_t max_bytes) {
-  // A name with a zero byte inside would be another file for the system than for whoever reads the message.
+  // A name with a zero byte inside would be a different file for the system than the one shown in the message.
   if (file.native().find('\0') != std::string::npos) return unreadable(file, EINVAL);
-  // Not blocking: opening a pipe without a writer would wait for one. What it is can only be asked of what is open,
-  // or somebody could exchange it in between.
+  // Not blocking: opening a pipe without a writer would wait for one. The type is checked on the open descriptor,
+  // since the file could be exchanged in between.
   const Descriptor descriptor{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
   struct stat status {};
   if (descriptor.value < 0) {
@@ -59,7 +59,7 @@ FileRead read_file(const std::filesystem::path& file, std::size_t max_bytes) {
   if (!S_ISREG(status.st_mode)) return not_a_file(file, status.st_mode);
   if (static_cast<std::uintmax_t>(status.st_size) > max_bytes) return too_large(file, max_bytes);
 
-  // The size is only a hint: it may grow while it is read, and files of /proc say 0.
+  // The size is only a hint: it may grow while it is read, and files of /proc report 0.
   std::string bytes(static_cast<std::size_t>(status.st_size) + 1, '\0');
   std::size_t size = 0;
   while (true) {

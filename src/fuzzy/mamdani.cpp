@@ -44,7 +44,7 @@ Moments clipped_moments(const Controller& controller, std::size_t row_stretch, s
   return plan.output->moments(plan.sums[sum], term_strengths);
 }
 
-// on_rule(rule, strength) learns of every rule that may fire; the others have the strength 0.
+// on_rule(rule, strength) is called for every rule that may fire; the others have the strength 0.
 template <class OnRule>
 double infer_telling(const Controller& controller, double error, double error_change, const InputWidths& widths,
                      OnRule on_rule) noexcept {
@@ -80,7 +80,7 @@ double infer_telling(const Controller& controller, double error, double error_ch
 }  // namespace
 
 Inference infer(const Controller& controller, double error, double error_change, const InputWidths& widths) noexcept {
-  // A zero that the compiler does not know to be one: GCC fills an array with zero bytes by a string instruction that
+  // A zero that the compiler cannot recognise as one: GCC fills an array with zero bytes by a string instruction that
   // takes as long as a third of all the rest.
   Inference inference(0.0 * std::abs(controller.error.max));
   inference.output =

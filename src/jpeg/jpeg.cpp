@@ -42,7 +42,7 @@ std::optional<Size> read_header(tjhandle codec, const std::uint8_t* data, std::s
 }  // namespace
 
 std::vector<std::uint8_t> encode(const ImageView& image) {
-  // Of an empty picture libjpeg-turbo asks for 2^64 - 1 bytes; and what cannot be read is not its to find out.
+  // For an empty picture libjpeg-turbo allocates 2^64 - 1 bytes; an unreadable picture must not reach it.
   if (check(image) != Reason::none) return {};
   const Codec codec(tjInitCompress());
   if (!codec) return {};

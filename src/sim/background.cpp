@@ -29,7 +29,7 @@ void draw_rectangle(cv::Mat& wall, Random& random, int left, int top, int width,
   draw_around([&](int shift) {
     cv::rectangle(wall, cv::Rect(left + shift, top, width, height), cv::Scalar(gray), cv::FILLED);
   });
-  // Some carry a frame, some a pattern of squares: what a detector of squares trips over.
+  // Some carry a frame, some a pattern of squares: which confuse a detector of squares.
   const int kind = random.integer(0, 3);
   if (kind == 0)
     draw_around(

@@ -24,7 +24,7 @@ World::World(Scenario scenario) : scenario_(std::move(scenario)) {
     robot.unicycle = Unicycle(spec.drive, spec.start);
     if (spec.body) robot.surfaces = surfaces_of(*spec.body);
     if (spec.camera)
-      // One room, whoever looks at it.
+      // One room for all cameras.
       robot.renderer.emplace(spec.camera->model, spec.camera->mounting, spec.camera->imperfections,
                              seed_for(seed, "clutter"));
     robots_.emplace(spec.name, std::move(robot));
@@ -85,7 +85,7 @@ const World::Robot& World::leader_of(const Robot& follower) const {
   return robot(follower.spec->follows);
 }
 
-/// Not further away than half an exposure: whoever is not on rails moves on with its present twist.
+/// Not further away than half an exposure: a robot without a trajectory moves on with its present twist.
 UnicycleState World::state_near_now(const Robot& robot, double offset_s) const {
   const RobotSpec& spec = *robot.spec;
   if (spec.trajectory) return state_at(*spec.trajectory, spec.start, time_s_ + offset_s);

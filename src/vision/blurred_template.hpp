@@ -12,7 +12,7 @@ struct Whiteness {
         dvy = Lanes::Zero();  ///< per variance of the blur along x and y, in tag coordinates squared
 };
 
-/// The part that one axis plays: of the 2R + 1 cells around x, which share of a Gaussian at x with variance v lies on
+/// The factor of one axis: of the 2R + 1 cells around x, which share of a Gaussian at x with variance v lies on
 /// each.
 ///
 /// With c_k = Phi((l_k - x) / sqrt(v)) the share left of the line l_k, cell i has w_i = c_i - c_(i-1). With
@@ -51,8 +51,8 @@ struct CellShares {
 };
 
 /// The template convolved with a Gaussian of variance `vx`, `vy` along its axes, at (x, y). A blurred grid of cells is
-/// a sum over products of both axes' shares. Only the R nearest cells on each side are looked at: right up to a blur of
-/// 0.4 R cells.
+/// a sum over products of both axes' shares. Only the R nearest cells on each side are included: accurate up to a blur
+/// of 0.4 R cells.
 template <int R>
 Whiteness blurred_template(const TemplateSamples& samples, int first, const Lanes& x, const Lanes& y, const Lanes& vx,
                            const Lanes& vy, float cell_side) {

@@ -9,10 +9,10 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr double kUnknownRate_radps = 0.5;    ///< standard deviation of a new hypothesis' rate
-constexpr double kNewcomerLogWeight = -14.0;  ///< a hypothesis that came from nowhere starts with about a millionth
+constexpr double kNewcomerLogWeight = -14.0;  ///< a hypothesis without a predecessor starts with about a millionth
 constexpr double kDroppedLogWeight = -20.0;   ///< below the best
-/// A systematic error (calibration, template) speaks for the same wrong solution in every frame, which noise does not.
-/// So evidence counts half.
+/// A systematic error (calibration, template) favours the same wrong solution in every frame, which noise does not.
+/// So evidence is weighted by half.
 constexpr double kEvidenceWeight = 0.5;
 
 }  // namespace
@@ -29,7 +29,7 @@ void HeadingFilter::predict(double dt_s) noexcept {
   }
 }
 
-// The Kalman update with the heading alone. What the hypothesis knew of the heading, N(psi, P), also corrects the
+// The Kalman update with the heading alone. The hypothesis' prediction of the heading, N(psi, P), also corrects the
 // frame's own distance and bearing, as far as their errors go with the heading's: with z, C the candidate's (d, theta,
 // psi) and its covariance, and k = C e3 / (C33 + P),   z + k (psi - z3),   C - k (C e3)^T.
 HeadingFilter::Hypothesis HeadingFilter::updated(const Hypothesis& parent, const HeadingCandidate& candidate,
@@ -55,7 +55,7 @@ HeadingFilter::Hypothesis HeadingFilter::updated(const Hypothesis& parent, const
 }
 
 void HeadingFilter::keep_likely(BoundedVector<Hypothesis, 2 * kKept + 2>& offspring, Kept& kept) noexcept {
-  // Not std::stable_sort, which asks for memory.
+  // Not std::stable_sort, which allocates.
   std::sort(offspring.begin(), offspring.end(),
             [](const Hypothesis& a, const Hypothesis& b) { return a.log_weight > b.log_weight; });
   kept.clear();
@@ -79,7 +79,7 @@ void HeadingFilter::keep_likely(BoundedVector<Hypothesis, 2 * kKept + 2>& offspr
 FilteredHeading HeadingFilter::update(const BoundedVector<HeadingCandidate, 2>& candidates, int degrees_of_freedom,
                                       double dt_s) noexcept {
   predict(dt_s);
-  // Corners that nothing explains as well as their noise would allow are less sure than they say.
+  // Corners whose residual exceeds their noise are less certain than their covariance.
   const double scale = std::max(1.0, candidates.front().squared_error / std::max(degrees_of_freedom, 1));
   BoundedVector<Hypothesis, 2 * kKept + 2> offspring;
   for (std::size_t i = 0; i < candidates.size(); ++i) {

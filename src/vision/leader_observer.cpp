@@ -8,7 +8,7 @@
 #include "pose_candidates.hpp"
 #include "search_region.hpp"
 
-// A frame's way, from top to bottom: observe_frame() calls what stands below it, in that order.
+// The processing of a frame, from top to bottom: observe_frame() calls the functions below it, in that order.
 
 namespace pilotfish::vision {
 namespace {
@@ -111,8 +111,8 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
     detected = detect_tags(image, whole(image), decimation, FoundBy::frame);
   }
   detected.rejected = larger_of_each(detected.rejected, tracked.rejected);
-  // What was followed up to the rim of the picture is too near to it for the detector: the first reason is the better
-  // one.
+  // A tag tracked up to the edge of the picture is too near to it for the detector: the first reason is the more
+  // accurate one.
   if (detected.reason == Reason::no_tag_found) detected.reason = tracked.reason;
   return conclude(frame, detected, std::nullopt);
 }
@@ -121,7 +121,7 @@ Reason LeaderObserver::why_unusable(const ImageView& image) const {
   const Reason defect = check(image);
   const bool calibrated = image.width == tracker_.camera().width && image.height == tracker_.camera().height;
   if (calibrated) return defect;
-  // A picture of another size need not have been decoded at all; that its pixels are missing is not what is wrong.
+  // A picture of another size need not have been decoded at all; the fault is then not that its pixels are missing.
   const bool only_size = defect == Reason::none || defect == Reason::frame_truncated;
   return only_size ? Reason::frame_size_not_calibrated : defect;
 }
@@ -184,7 +184,7 @@ void LeaderObserver::Attempt::add(const TagOutcome<TagMeasurement>& outcome) {
     reason = rejected.count(outcome.refusal, reason);
 }
 
-/// Counts what the attempt refused, if it is the frame's last word.
+/// Counts what the attempt refused, if it is the frame's last attempt.
 ObservationResult LeaderObserver::conclude(const Frame& frame, Attempt& attempt,
                                            const std::optional<Eigen::Isometry3d>& predicted_cMo) {
   ObservationResult result{std::nullopt, attempt.reason};
@@ -215,7 +215,7 @@ ObservationResult LeaderObserver::measure(const Frame& frame, const Attempt& att
   stopwatch_.lap(Stage::heading);
   if (!is_finite(filtered.fused)) return {std::nullopt, Reason::pose_refused};
 
-  // Accepted: only here is anything remembered.
+  // Accepted: state changes only here.
   const Observation observation = observation_of(frame.utime, attempt.found_by, attempt.tags, found, filtered);
   heading_ = heading;
   track_.update(observation.cMo, observation.measured.pose, attempt.tags.front().appearance, frame.utime);

@@ -13,9 +13,9 @@
 namespace pilotfish::vision {
 namespace {
 
-/// Two minima nearer than this are one: a heading so little different does not matter to anybody.
+/// Two minima nearer than this are one: such a small difference in heading has no effect.
 constexpr double kSameRotation_rad = radians(3.0);
-/// An error below is rounding, not measurement; and nobody divides by zero. In squared standard deviations.
+/// An error below is rounding, not measurement; it also prevents a division by zero. In squared standard deviations.
 constexpr double kErrorFloor = 1e-6;
 
 /// Nothing if the camera model cannot be inverted there, as outside the circle in which a fitted distortion holds.

@@ -9,7 +9,7 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kTwistFrom_s = 0.2;  ///< two sightings farther apart say nothing about the motion now
+constexpr double kTwistFrom_s = 0.2;  ///< two measurements farther apart do not give the present motion
 constexpr double kSlack_m = 0.1;      ///< measurement errors are no jumps
 constexpr double kMaxTurn_rad = 0.5;  ///< a faster turn between two frames was the other planar solution
 

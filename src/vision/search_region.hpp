@@ -8,14 +8,14 @@
 
 namespace pilotfish::vision {
 
-/// A part of the picture in which the leader is looked for.
+/// A part of the picture in which the leader is searched for.
 struct SearchRegion {
   int left = 0, top = 0, width = 0, height = 0;
   double cell_px = 0.0;  ///< of its nearest tag's cells, about
 };
 
 /// The body's tags at that pose, with half as much again on every side and at least `margin_px`; nothing if they are
-/// behind the camera or beyond the picture.
+/// behind the camera or outside the picture.
 inline std::optional<SearchRegion> region_around(const TagTracker& tracker, const Eigen::Isometry3d& cMo,
                                                  double margin_px) {
   const CameraModel& camera = tracker.camera();

@@ -68,16 +68,16 @@ struct TagDetector::Library {
     detector->quad_decimate = static_cast<float>(config.decimation);
     detector->quad_sigma = static_cast<float>(config.blur_sigma_px);
     detector->refine_edges = true;
-    // Where less than this separates black from white nobody looks for quads. The library's own 5 finds them in the
+    // Where less than this separates black from white, no quads are searched for. The library's own 5 finds them in the
     // noise of any camera, which costs two thirds of its time (docs/vision.md); a tag that passes the margin gate has
     // more.
     detector->qtp.min_white_black_diff = std::clamp(static_cast<int>(config.min_decision_margin), 5, 60);
     apriltag_detector_add_family_bits(detector.get(), family.get(), bits_to_recognise(family, config.max_hamming));
   }
 
-  TagFamily family;  // before the detector, which frees what it hung onto the family
+  TagFamily family;  // before the detector, which frees what it attached to the family
   std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector;
-  std::vector<std::uint8_t> scratch;  ///< the picture, when libapriltag must not have the caller's
+  std::vector<std::uint8_t> scratch;  ///< the picture, when libapriltag must not be given the caller's
 };
 
 bool Detections::is_unique(int id) const {

@@ -25,7 +25,7 @@ void draw_ring(TagTemplate& printed, int width, Colour colour) {
 }
 
 /// As apriltag_to_image() draws it; but that leaves black what a family leaves free (the corners of a circle, the hole
-/// of a Custom48h12), and those cells are anybody's.
+/// of a Custom48h12), and those cells may have any colour.
 TagTemplate template_of(const apriltag_family_t& family, int id) {
   TagTemplate printed;
   printed.side = family.total_width;

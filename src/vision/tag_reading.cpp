@@ -5,8 +5,9 @@
 
 #include "tag_warp.hpp"
 
-// A cell is read against what a right and a wrong one would look like there, blurred as the picture is. With s the
-// share of a neighbour in the blurred middle of a cell, Phi(-c / (2 sigma)) along each axis, the middle of a cell shows
+// A cell is compared with the expected appearance of a right and of a wrong one there, blurred as the picture is. With
+// s the share of a neighbour in the blurred middle of a cell, Phi(-c / (2 sigma)) along each axis, the middle of a cell
+// shows
 //
 //   T = sum over its 3 x 3 cells of a_i a_j colour_ij,    a = (s, 1 - 2 s, s)
 //
@@ -54,7 +55,7 @@ TagReading read_tag(const ImageView& image, const CameraModel& camera, const Tag
     const double black = look.black + look.black_slope.dot(cell.centre);
     const double contrast = look.contrast() + look.contrast_slope.dot(cell.centre);
     const double sign = cell.white ? 1.0 : -1.0;
-    // Half of what the other colour would change, less what is missing to the right one.
+    // Half of the change that the other colour would make, less the difference from the right one.
     const double certainty = 0.5 * contrast * ax[1] * ay[1] + sign * (gray - (black + contrast * T));
     if (cell.data) {
       ++bits;

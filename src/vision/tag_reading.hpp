@@ -7,9 +7,9 @@
 
 namespace pilotfish::vision {
 
-/// What the cells of a template say when they are read one by one.
+/// The result of reading the cells of a template one by one.
 struct TagReading {
-  int wrong_bits = 0;         ///< of the code: they look more like the other colour
+  int wrong_bits = 0;         ///< of the code: nearer to the other colour
   int wrong_frame_cells = 0;  ///< of the rings that all tags of the family share
   int frame_cells = 0;
   /// Mean contrast of the bits, in gray levels: twice their distance from the middle gray, wrong ones negative.
@@ -17,7 +17,7 @@ struct TagReading {
   double decision_margin = 0.0;
 };
 
-/// Reads the tag where the registration says that it lies. Never throws.
+/// Reads the tag at the place given by the registration. Never throws.
 TagReading read_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                     const Registration& registration) noexcept;
 

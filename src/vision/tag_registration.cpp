@@ -35,12 +35,12 @@ using Parameters = Eigen::Matrix<double, kParameters, 1>;
 constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
 constexpr double kSpread = 1.3;      ///< samples lie so many standard deviations of the blur beside an edge, at most
 constexpr double kAtRest_px = 0.03;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
-constexpr double kNear_px = 0.7;     ///< a first step that is longer did not start near enough to trust its direction
+constexpr double kNear_px = 0.7;     ///< a longer first step started too far away for its direction to be reliable
 constexpr double kAtHome_contrasts = 0.05;  ///< a fit on the wrong edges leaves more of the contrast unexplained,
 constexpr double kAtHome_outliers = 0.1;    ///< or more of its samples
 constexpr double kMinNoise = 0.2;           ///< gray levels: even a perfect picture is rounded, and a sample is a mean
 constexpr double kNotAtRest_px = 0.1;       ///< a last step that does
-constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are looked at pixel by pixel
+constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are sampled pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
@@ -67,7 +67,7 @@ struct NormalEquations {
   int inliers = 0;
 };
 
-/// J and r, a row a sample. Single precision: the sums only steer, and what they steer to is where J^T r vanishes.
+/// J and r, a row a sample. Single precision suffices: it affects the steps, but not the solution, where J^T r is zero.
 struct Rows {
   Eigen::Matrix<float, TemplateSamples::kCapacity, kParameters> J;
   Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r;
@@ -98,7 +98,7 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
   return fit.look.contrast() > 0.0;
 }
 
-/// One pass over the samples: where each lies on the tag now, what it should look like there, how that would change.
+/// One pass over the samples: the place of each on the tag, its expected gray level there, and the derivatives.
 /// `blur_u`, `blur_v` [px^2] are what the template is blurred with, be it the picture's own blur or more.
 template <int R>
 NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const TemplateSamples& samples, double blur_u,
@@ -165,8 +165,8 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
   return sum;
 }
 
-/// What is known without the picture: paper is lit evenly to some 20 % of its contrast, and a camera's blur stays what
-/// it was to 1 px^2. Without it the pixels of a very small tag could not tell 16 numbers.
+/// Prior knowledge: paper is lit evenly to some 20 % of its contrast, and a camera's blur stays what
+/// it was to 1 px^2. Without it the pixels of a very small tag could not determine 16 numbers.
 void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEquations& sum) {
   const double slope_weight = std::pow(noise / (0.2 * std::max(fit.look.contrast(), 1.0)), 2);
   const Eigen::Vector4d slopes = fit.slopes();
@@ -226,7 +226,7 @@ double shape_sigma_px(const Appearance& look, double cell_px) {
   return kShapeError_px * std::min(blur_cells2, 1.0);
 }
 
-/// What one fit needs to know and to write on; some 100 kB, on the stack of register_tag().
+/// Input and scratch memory of one fit; some 100 kB, on the stack of register_tag().
 struct Task {
   const ImageView& image;
   const CameraModel& camera;
@@ -265,11 +265,11 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
   return largest_move(before, fit.warp);
 }
 
-/// From far away: a template blurred by a third of a cell pulls from a third of a cell away. False if it does not.
+/// From far away: a template blurred by a third of a cell converges from a third of a cell away. False if it does not.
 bool pull_in(Task& task, Fit& fit) {
   const double wide_px = 0.3 * task.cell_px;
   const double extra_blur = wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2);
-  if (extra_blur <= kSampleBlur_px2) return true;  // the picture's own blur pulls as far
+  if (extra_blur <= kSampleBlur_px2) return true;  // the picture's own blur has the same range
   task.samples.reach = 1;
   take_along_edges(task.image, task.camera, fit.warp, task.pattern, wide_px, kCoarseSamples, task.samples);
   for (int i = 0; i < 4; ++i) {
@@ -282,7 +282,7 @@ bool pull_in(Task& task, Fit& fit) {
 }
 
 /// From near by, with the picture's own blur. Unless it was `pulled_in` already, a step on few samples goes ahead, so
-/// that the many lie evenly about the edges. False if it does not come to rest.
+/// that the many lie evenly about the edges. False if it does not converge.
 bool settle(Task& task, bool pulled_in, Fit& fit) {
   const bool dense = task.cell_px < kDenseBelow_px;
   const double extra_blur = dense ? 0.0 : kSampleBlur_px2;
@@ -309,7 +309,7 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   return move_px < kNotAtRest_px;
 }
 
-/// Whether a fit that came to rest did so at home and not on some other edge: then it explains the picture well.
+/// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
 bool explains(const Fit& fit) {
   return fit.noise < kAtHome_contrasts * fit.look.contrast() && fit.outlier_share < kAtHome_outliers;
 }

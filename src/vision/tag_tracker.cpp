@@ -13,11 +13,11 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kMinFacing = 0.2;        ///< cosine of the angle under which a tag is still worth looking at
-constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not even tried
+constexpr double kMinFacing = 0.2;        ///< cosine of the largest viewing angle at which a tag is tracked
+constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not attempted
 constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
 constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
-constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's rim
+constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's edge
 
 bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
   return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {

@@ -64,11 +64,11 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
     const Eigen::Vector2d pixel_middle = warp.pixel(camera, g_middle);
     const Eigen::Matrix2d pixel_from_g = warp.pixel_jacobian(camera, g_middle);
     const Eigen::Matrix2d g_from_pixel = pixel_from_g.inverse();
-    // Samples of 3 x 3 pixels that lie closer see the same noise: the fit would count it as if it were news.
+    // Samples of 3 x 3 pixels that lie closer share noise: the fit would treat it as independent.
     const int count = std::clamp(static_cast<int>((length_px + 2.6) / 2.5), 1, most);
     for (int i = 0; i < count && samples.count < TemplateSamples::kCapacity; ++i) {
       // Away from the ends, where another edge may begin. Across, spread evenly over the ramp (by the golden section,
-      // which leaves no pattern): its flanks tell the blur and the gray levels, its middle the place.
+      // which leaves no pattern): its flanks determine the blur and the gray levels, its middle the place.
       Eigen::Vector2d offset = Eigen::Vector2d::Zero();
       offset[along] = pattern.cell_side * ((i + 0.5) / count - 0.5) * (1.0 - std::min(1.0 / length_px, 0.5));
       offset[1 - along] = spread_px * (2.0 * std::fmod(kGoldenSection * turn++, 1.0) - 1.0) / across_px;

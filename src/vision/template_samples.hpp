@@ -8,7 +8,7 @@
 
 namespace pilotfish::vision {
 
-/// Eight samples at once: what the compiler makes SIMD instructions of.
+/// Eight samples at once, which the compiler turns into SIMD instructions.
 using Lanes = Eigen::Array<float, 8, 1>;
 
 /// Pixels that are compared with the template, by column, so that eight of them can be taken at once.
@@ -34,8 +34,8 @@ struct TemplateSamples {
 /// rows and along columns.
 inline constexpr double kSampleBlur_px2 = 0.5;
 
-/// Samples on both sides of every edge of the template, at most `spread_px` from it, about `wanted` in all: only what
-/// lies in the ramp of an edge says where the edge is.
+/// Samples on both sides of every edge of the template, at most `spread_px` from it, about `wanted` in all: only pixels
+/// in the ramp of an edge determine its position.
 void take_along_edges(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
                       double spread_px, int wanted, TemplateSamples& samples);
 

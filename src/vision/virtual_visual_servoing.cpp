@@ -18,8 +18,8 @@
 //   v = -(J^T J + lambda diag(J^T J))^-1 J^T e,      cMo <- exp(v)^-1 cMo.
 //
 // Levenberg's lambda makes every accepted step go downhill, so that it converges from far; towards the end lambda
-// vanishes and the step is Gauss-Newton's. ViSP computes the same; we write L out because ViSP's matrices ask for
-// memory.
+// vanishes and the step is Gauss-Newton's. ViSP computes the same; L is written out here because ViSP's matrices
+// allocate.
 
 namespace pilotfish::vision {
 namespace {
@@ -27,8 +27,8 @@ namespace {
 constexpr double kNearest_m = 1e-3;  ///< nothing is seen closer to the camera than this
 constexpr int kMaxIterations = 100;
 constexpr double kMaxDamping = 1e9;
-/// A step that promises less squared error than this, in squared standard deviations, is none: a ten thousandth of a
-/// sigma.
+/// A step whose predicted decrease of the squared error, in squared standard deviations, is less than this is none: a
+/// ten thousandth of a sigma.
 constexpr double kAtRest = 1e-8;
 
 struct NormalEquations {

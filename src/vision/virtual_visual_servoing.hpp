@@ -20,14 +20,14 @@ struct SquareSighting {
 };
 using SquareSightings = BoundedVector<SquareSighting, kMaxTagsOnBody>;
 
-/// The bottom of one valley of the squared error.
+/// A local minimum of the squared error.
 struct LocalMinimum {
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();
   Matrix6d information = Matrix6d::Zero();  ///< J^T J: the inverse covariance of the twist
   double squared_error = 0.0;               ///< whitened: chi-squared with 8 tags - 6 degrees of freedom
 };
 
-/// Moves a virtual camera from `start` until the corners are where they were seen. Nothing if it does not come to rest
+/// Moves a virtual camera from `start` until the corners are where they were measured. Nothing if it does not converge
 /// with all corners in front of it. Never allocates.
 std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const SquareSightings& squares);
 

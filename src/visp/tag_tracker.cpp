@@ -13,12 +13,12 @@
 namespace pilotfish::visp {
 namespace {
 
-/// Tags are followed as if they had this size, and poses scaled to the size that is asked for: a picture says nothing
-/// about size, translation is proportional to it, and rotation does not depend on it. So no gate in metres depends on
-/// the caller's size. At this size the gates for range, 0.05 to 20 m, are 0.3 to 125 sides of the tag, which is more
-/// than can be read.
+/// Tags are followed as if they had this size, and poses scaled to the requested size: a picture does not determine
+/// size, translation is proportional to it, and rotation does not depend on it. So no gate in metres depends on the
+/// caller's size. At this size the gates for range, 0.05 to 20 m, are 0.3 to 125 sides of the tag, which is more than
+/// can be read.
 constexpr double kNominalSize_m = 0.16;
-constexpr double kForgetAfter_s = 1.0;  ///< a tag unseen for so long; its observer knows nothing of it by then
+constexpr double kForgetAfter_s = 1.0;  ///< a tag not seen for so long; its observer has dropped it by then
 
 /// A tag as the observer's body. Its base frame o has its z axis up the tag; body_from_tag() leads on to the tag.
 BodyTag body_tag(int id) {
@@ -52,7 +52,7 @@ const Eigen::Matrix3d& half_turn_about_x() {
   return rotation;
 }
 
-/// vpDetectorAprilTag's word for a family: tag36h11 is "36h11", tagStandard41h12 is "STANDARD41h12".
+/// vpDetectorAprilTag's name for a family: tag36h11 is "36h11", tagStandard41h12 is "STANDARD41h12".
 std::string family_in_messages(const std::string& family) {
   std::string name = family.substr(3);
   for (std::size_t i = 0; i < name.size() && std::isalpha(static_cast<unsigned char>(name[i])) != 0; ++i)

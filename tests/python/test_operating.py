@@ -172,7 +172,7 @@ def test_the_commands_say_what_the_robot_says(url, key_file):
         code, said = run("stop", "robot1", "--lcm-url", url)
         assert (code, said.partition(" (after")[0]) == (
             0,
-            "robot1: stopped: told to stop, would keep 1.10 m at -10.0 deg",
+            "robot1: stopped: stop requested, would keep 1.10 m at -10.0 deg",
         )
         code, said = run("resume", "robot1", *options)
         assert code == 0

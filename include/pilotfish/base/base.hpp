@@ -18,7 +18,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
-/// What a serial line's speed can be [baud].
+/// The speeds of a serial line [baud].
 inline constexpr int kBauds[] = {9600,   19200,  38400,  57600,   115200,  230400,
                                  460800, 500000, 921600, 1000000, 2000000, 4000000};
 
@@ -38,8 +38,8 @@ struct BaseConfig {
   PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, start_stopped, false,
                                     "begin with a latched stop: nothing moves until it is resumed");
   DriveGeometry wheels;         ///< the base's geometry
-  WheelLimitsConfig limits;     ///< what the wheels are allowed
-  CommandGuardConfig commands;  ///< whom to obey, and how long
+  WheelLimitsConfig limits;     ///< limits of the wheels
+  CommandGuardConfig commands;  ///< which commands to accept, and for how long
   SerialConfig serial;          ///< the line to the motor controller
 
   template <class Visit>
@@ -56,42 +56,42 @@ struct BaseConfig {
 enum class BaseState { waiting, driving, stopped, fault };
 std::string_view to_string(BaseState state) noexcept;
 
-/// What the wheels are to be told, and why.
+/// The command for the wheels, and why.
 struct BaseOutput {
   BaseState state = BaseState::waiting;  ///< what the wheels' process is doing
-  Twist command;                         ///< behind every limit; zero unless `driving`
-  std::int64_t obeys = 0;                ///< 0: nobody
+  Twist command;                         ///< after all limits; zero unless `driving`
+  std::int64_t obeys = 0;                ///< the accepted session; 0: none
 };
 
-/// Everything that decides what the wheels are told, without a clock, a bus or a line:
+/// Computes the wheels' command, without a clock, a bus or a line:
 ///
 ///   command = limit(last good command) if the driver works, no stop is latched and a good command is young enough;
 ///   else zero, at once.
 ///
-/// Ask step() at every period, with every message, and at deadline().
+/// Call step() at every period, with every message, and at deadline().
 class Base {
  public:
-  /// `own_session`: drawn at random, never 0. `simulated_allowed`: these are no real wheels.
+  /// `own_session`: drawn at random, never 0. `simulated_allowed`: the wheels are not real.
   Base(const BaseConfig& config, std::int64_t own_session, bool simulated_allowed);
 
   /// Throws ConfigError; call while loading.
   static void check(const BaseConfig& config);
 
-  /// A command that reached this host at `arrived` is heard at `now`.
+  /// Handles, at `now`, a command that reached this host at `arrived`.
   CommandVerdict receive(const ReceivedCommand& command, MonotonicTime arrived, MonotonicTime now) noexcept;
-  /// A setpoint, of which only stop and resume concern the wheels.
+  /// A setpoint, of which only stop and resume are used here.
   LatchVerdict receive(const ReceivedSetpoint& setpoint, MonotonicTime now) noexcept;
   /// The driver can or cannot be reached.
   void driver_works(bool works) noexcept { driver_works_ = works; }
 
-  /// What the wheels are to be told at `now`.
+  /// The command for the wheels at `now`.
   BaseOutput step(MonotonicTime now) noexcept;
-  /// When step() must be asked again at the latest, because a command gets too old.
+  /// When step() must be called again at the latest, because a command gets too old.
   std::optional<MonotonicTime> deadline() const noexcept { return guard_.deadline(); }
 
   bool stopped() const noexcept { return latch_.stopped(); }      ///< a stop is latched
   std::int64_t session() const noexcept { return own_session_; }  ///< of this process; commands name it
-  /// What was refused, by name; only what there was.
+  /// What was refused, by name; only counts above zero.
   std::map<std::string, std::int64_t> rejected() const;
 
  private:
@@ -100,8 +100,8 @@ class Base {
   CommandGuard guard_;
   StopLatch latch_;
   bool driver_works_ = true;
-  Twist told_;
-  std::optional<MonotonicTime> told_at_;
+  Twist last_command_;
+  std::optional<MonotonicTime> last_command_at_;
   std::array<std::int64_t, kCommandVerdicts> refused_commands_{};
   std::int64_t refused_other_session_ = 0, refused_replayed_ = 0;
 };

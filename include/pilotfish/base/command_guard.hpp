@@ -16,46 +16,47 @@ namespace pilotfish::base {
 
 /// A command as it came off the bus, where its mac has been checked.
 struct ReceivedCommand {
-  std::int64_t session = 0;       ///< the sender's; 0: nobody's
+  std::int64_t session = 0;       ///< the sender's; 0: none
   std::int64_t counter = 0;       ///< rises within a session
-  std::int64_t base_session = 0;  ///< of the wheels' process that the sender has heard
+  std::int64_t base_session = 0;  ///< of the wheels' process, as received by the sender
   Twist twist;                    ///< in the robot's base frame
   bool simulated = false;         ///< never for real wheels
 };
 
-/// What became of a command. Only `obeyed` can move anything.
+/// The result of checking a command. Only `obeyed` can move the wheels.
 enum class CommandVerdict {
   obeyed,
   malformed,           ///< no session, or a number that is not finite
-  base_session_wrong,  ///< meant for another run of this process: a recording, or a sender that has not heard us yet
+  base_session_wrong,  ///< meant for another run of this process: a recording, or a sender that has not received ours
+                       ///< yet
   simulated,           ///< of a simulator's or a recording's time, and these are real wheels
   replayed,            ///< a counter of this session that is not higher than all before
   stale,               ///< waited too long between its arrival and now
-  after_gap,           ///< this process was not running just now, so nobody knows when the command arrived
-  session_ended,       ///< of a sender after whom somebody else has driven
-  foreign,             ///< another sender is obeyed
-  sessions_full,       ///< more senders than can be remembered: no new one is obeyed
+  after_gap,           ///< this process was not running just now, so the command's arrival time is unknown
+  session_ended,       ///< of a sender that another one has replaced
+  foreign,             ///< another sender is active
+  sessions_full,       ///< more senders than can be stored: no new one is accepted
 };
 inline constexpr int kCommandVerdicts = 10;
-/// "command_replayed", ...: at most 24 letters; "command_obeyed" is counted by nobody.
+/// "command_replayed", ...: at most 24 letters; "command_obeyed" is never counted.
 std::string_view to_string(CommandVerdict verdict) noexcept;
 
-/// How long a command, and a silent sender, count.
+/// How long a command is valid, and a silent sender remains active.
 struct CommandGuardConfig {
   PILOTFISH_PARAMETERS(CommandGuardConfig);
   PILOTFISH_PARAMETER(
       double, max_command_age_s, 0.095, 0.02, 0.1,
-      "a command is good for this long after its arrival, then zeros; 5 ms below the limit leave time for the line");
+      "a command is valid for this long after its arrival, then zeros; 5 ms below the limit leave time for the line");
   PILOTFISH_PARAMETER(double, takeover_s, 0.5, 0.2, 60.0,
-                      "a sender that is silent for longer has ended, and another one may be obeyed");
+                      "a sender that is silent for longer has ended, and another one may take over");
 };
 
-/// Whom the wheels obey: one sender, commands it has just sent, each once.
+/// Accepts commands for the wheels: from one sender, recent ones, each once.
 ///
-/// A sender is a session. The first one whose command passes every check is obeyed until it has been silent for
-/// takeover_s; then the next may begin, and with it the session has ended for good. Of every session the highest
-/// counter is remembered, obeyed or not, so no recording of this run can be played to it either; recordings of earlier
-/// runs name another base_session.
+/// A sender is a session. The first one whose command passes every check is active until it has been silent for
+/// takeover_s; then the next may begin, which ends the session for good. Of every session the highest
+/// counter is stored, active or not, so that recordings of this run are refused as well; recordings of earlier
+/// runs carry another base_session.
 class CommandGuard {
  public:
   /// `own_session`: of this process, never 0. `simulated_allowed`: the wheels are not real.
@@ -64,14 +65,14 @@ class CommandGuard {
   /// `arrived`: when it reached this host, as far as that is known; not after `now`.
   CommandVerdict receive(const ReceivedCommand& command, MonotonicTime arrived, MonotonicTime now) noexcept;
 
-  /// What is to be done at `now`: the last good command, for max_command_age_s after its arrival. Nothing afterwards.
+  /// The command to execute at `now`: the last good one, for max_command_age_s after its arrival. Nothing afterwards.
   std::optional<Twist> command_at(MonotonicTime now) noexcept;
   /// When command_at() ends, if nothing else arrives; nothing if it has ended.
   std::optional<MonotonicTime> deadline() const noexcept;
-  /// The session that is obeyed at `now`; 0: nobody's.
+  /// The active session at `now`; 0: none.
   std::int64_t obeys(MonotonicTime now) noexcept;
 
-  static constexpr std::size_t kSessions = 1024;  ///< senders that are remembered
+  static constexpr std::size_t kSessions = 1024;  ///< senders that are stored
 
  private:
   struct Sender {
@@ -87,10 +88,10 @@ class CommandGuard {
   bool simulated_allowed_;
   BoundedVector<Sender, kSessions> senders_;
   std::int64_t obeyed_ = 0;
-  std::int64_t silent_ = 0;     ///< whom nobody has followed yet
-  MonotonicTime last_arrival_;  ///< of a good command of the obeyed sender
-  MonotonicTime last_heard_;    ///< of the obeyed sender, in time or not
-  MonotonicTime last_now_;      ///< of the last call of anything
+  std::int64_t silent_ = 0;     ///< session that is silent and not yet replaced
+  MonotonicTime last_arrival_;  ///< of a good command of the active sender
+  MonotonicTime last_heard_;    ///< of any message of the active sender, in time or not
+  MonotonicTime last_now_;      ///< of the last call of any function
   MonotonicTime gap_until_;     ///< after a pause of this process
   std::optional<Twist> command_;
 };

@@ -10,21 +10,21 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
-/// Whether the motor controller receives our lines. What proves it is its echo of a sequence number that was sent not
-/// long ago: a controller that talks but does not listen, a line of which one wire is broken and old lines out of a
-/// full buffer do not.
+/// Whether the motor controller receives our lines, which is shown only by its echo of a recently sent sequence
+/// number: not by lines of a controller that sends but does not receive, of a cable with one broken wire, or out of
+/// a full buffer.
 class ControllerLink {
  public:
-  /// An echo proves for timeout_s that the controller listens.
+  /// An echo shows for timeout_s that the controller receives.
   explicit ControllerLink(double timeout_s) : timeout_us_(static_cast<std::int64_t>(timeout_s * 1e6)) {}
 
   /// The number for the line that is sent now.
   std::uint16_t next_sequence(MonotonicTime now) noexcept;
-  /// The controller says that this was the last good line.
+  /// The controller reports this as its last good line.
   void echoed(std::uint16_t sequence) noexcept;
   /// A line sent within timeout_s has been echoed.
   bool alive(MonotonicTime now) const noexcept { return heard_ && now.us - heard_->us <= timeout_us_; }
-  /// Nothing has been echoed; the numbers go on.
+  /// As if nothing had been echoed; the numbers continue.
   void reset() noexcept { *this = ControllerLink(static_cast<double>(timeout_us_) * 1e-6, sequence_); }
 
  private:

@@ -38,7 +38,7 @@ WheelSpeeds wheel_speeds(const DriveGeometry& geometry, const Twist& twist) noex
 /// The same solved for v and w: half the sum, and the difference over b.
 Twist twist_of(const DriveGeometry& geometry, const WheelSpeeds& speeds) noexcept;
 
-/// What the encoders' counters said at one instant. They wrap around at 32 bits, as a microcontroller's do, and so does
+/// The encoders' counters at one instant. They wrap around at 32 bits, as a microcontroller's do, and so does
 /// its clock in milliseconds.
 struct EncoderReading {
   std::uint32_t time_ms = 0;     ///< the controller's clock [ms]
@@ -46,15 +46,15 @@ struct EncoderReading {
   std::int32_t right_ticks = 0;  ///< positive: forwards
 };
 
-/// Where the wheels have rolled to.
+/// Odometry from the wheels' encoders.
 class WheelOdometry {
  public:
-  /// `max_wheel_radps`: what the wheels can do. Readings that say more than twice that are no motion but a counter that
-  /// began anew (a controller that restarted).
+  /// `max_wheel_radps`: the wheels' limit. Readings of more than twice that are not motion but a counter that
+  /// was reset (a controller that restarted).
   WheelOdometry(const DriveGeometry& geometry, double max_wheel_radps);
 
   /// Integrates from the reading before, exactly along the arc. The twist is the mean one in between; nothing for the
-  /// first reading, for one that came without time passing, and for one that cannot be motion (counted in jumps()).
+  /// first reading, for one at the same time as the last, and for one that cannot be motion (counted in jumps()).
   std::optional<Twist> update(const EncoderReading& reading) noexcept;
   /// The next reading is the first one again; the pose stays.
   void forget() noexcept { last_.reset(); }

@@ -11,12 +11,12 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
-// The text on the line to the motor controller; docs/base-serial-protocol.md is its description for those who write the
-// other end. One line is
+// The text on the line to the motor controller; docs/base-serial-protocol.md describes it for implementers of
+// the controller. One line is
 //
 //   $TYPE,field,...*HH<CR><LF>       HH: CRC-8 (polynomial 0x07, start 0) of what is between $ and *, two hex digits
 //
-// Whatever comes after a $ is a new line, finished or not, so that a line cut short costs itself and nothing else.
+// A $ always begins a new line, whether the one before has ended or not, so that a truncated line loses only itself.
 
 /// Longest line that either side sends or accepts, from $ to the checksum.
 inline constexpr std::size_t kMaxLine = 80;
@@ -38,37 +38,37 @@ class SetPointLine {
 
 /// Bits of ControllerLine::faults.
 enum Fault : std::uint16_t {
-  kFaultWatchdog = 1,     ///< it had no good line for 100 ms and has set the wheels to zero: not a fault of the motors
+  kFaultWatchdog = 1,     ///< no good line for 100 ms, wheels set to zero by the controller: not a fault of the motors
   kFaultMotor = 2,        ///< a motor driver reports an error
   kFaultOvercurrent = 4,  ///< a motor draws too much
   kFaultEncoder = 8,      ///< an encoder does not count
   kFaultSupply = 16,      ///< the supply is too low
   kFaultEmergencyStop = 32,  ///< the emergency stop is pressed
 };
-/// In words, for people: the one to see to first. Empty if there is none.
+/// The most important one as a text. Empty if there is none.
 std::string_view first_fault(std::uint16_t faults) noexcept;
 
-/// "$PFE,<sequence>,<ms>,<left>,<right>,<faults>*HH": what the controller says of the wheels.
+/// "$PFE,<sequence>,<ms>,<left>,<right>,<faults>*HH": the controller's report on the wheels.
 struct ControllerLine {
   std::uint16_t sequence = 0;  ///< of the last good set-point line
-  EncoderReading encoders;     ///< what the wheels' counters said
+  EncoderReading encoders;     ///< the wheels' counters
   std::uint16_t faults = 0;    ///< bits: 1 watchdog, 2 motor, 4 overcurrent, 8 encoder, 16 supply, 32 emergency stop
 };
 
-/// Bytes in, lines out. Never relies on a length, never asks for memory.
+/// Bytes in, lines out. Never relies on a length, never allocates.
 class ControllerParser {
  public:
-  /// What was no good line, by reason.
+  /// Refused lines, by reason.
   struct Rejected {
     std::int64_t checksum = 0;   ///< no or a wrong checksum
-    std::int64_t malformed = 0;  ///< a right checksum around something that is no line of ours
-    std::int64_t too_long = 0;   ///< no end in sight
+    std::int64_t malformed = 0;  ///< a right checksum, but not a line of this protocol
+    std::int64_t too_long = 0;   ///< longer than the longest line
     std::int64_t cut_short = 0;  ///< a new line began before the end
   };
 
   /// One byte; the line that it completes.
   std::optional<ControllerLine> feed(char byte) noexcept;
-  /// What was half received is forgotten (the line was opened anew).
+  /// Discards a partly received line (the port was reopened).
   void reset() noexcept;
   const Rejected& rejected() const noexcept { return rejected_; }  ///< since the start
 
@@ -77,7 +77,7 @@ class ControllerParser {
 
   std::array<char, kMaxLine> line_{};
   std::size_t size_ = 0;
-  bool inside_ = false;  ///< a $ has come and not its end
+  bool inside_ = false;  ///< a $ has been received, and not yet its end
   Rejected rejected_;
 };
 

@@ -10,8 +10,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::base {
 
-/// What the wheels are allowed, whoever asks. Meant a little wider than the coordinator's own limits, so that the
-/// two agree and these act only when something is wrong.
+/// Limits of the wheels, for every sender. To be set a little wider than the coordinator's own limits, so that
+/// these act only when something is wrong.
 struct WheelLimitsConfig {
   PILOTFISH_PARAMETERS(WheelLimitsConfig);
   PILOTFISH_PARAMETER(double, max_linear_mps, 0.7, 0.01, 5.0, "forward speed");
@@ -25,10 +25,10 @@ struct WheelLimitsConfig {
                       "of each wheel; where one would be faster, both are slowed down alike");
 };
 
-/// `wanted`, as near as the limits allow, a time dt_s after `told`. Never NaN: what is not finite is a zero. An exact
-/// zero is passed on at once, whatever `told` was: standing still is never put off. A slower speed that is not zero is
+/// `wanted`, as near as the limits allow, a time dt_s after `last`. Never NaN: what is not finite is a zero. An exact
+/// zero is passed on at once, whatever `last` was: a stop is never delayed. A slower speed that is not zero is
 /// reached with brake_mps2. Where a wheel would turn too fast, both are slowed down alike, which keeps the curvature.
-Twist limit(const WheelLimitsConfig& limits, const DriveGeometry& geometry, const Twist& wanted, const Twist& told,
+Twist limit(const WheelLimitsConfig& limits, const DriveGeometry& geometry, const Twist& wanted, const Twist& last,
             double dt_s) noexcept;
 
 }  // namespace pilotfish::base

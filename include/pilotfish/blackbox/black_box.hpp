@@ -22,25 +22,25 @@ struct Start {
 
 /// Since the start.
 struct Counters {
-  std::int64_t written = 0;  ///< events the operating system has taken
+  std::int64_t written = 0;  ///< events written to the operating system
   std::int64_t dropped = 0;  ///< events that did not fit into the queue: the disk is too slow
   std::int64_t lost = 0;     ///< events the disk refused
   std::int64_t files = 0;    ///< begun
 };
 
-/// A flight recorder: a bounded ring of files on disk with every call of the core and what it answered, every command
-/// that was sent and every message that is handed over, as LCM events. From it `pilotfish replay` recomputes each
+/// A flight recorder: a bounded ring of files on disk with every call of the core and its answer, every command
+/// that was sent and every message passed to it, as LCM events. From it `pilotfish replay` recomputes each
 /// command bit for bit.
 ///
-/// Nothing here can delay or stop the robot: whoever records copies into a queue that is bounded in bytes, and goes on;
+/// Nothing here can delay or stop the robot: recording copies into a queue that is bounded in bytes, and returns;
 /// what does not fit is dropped and counted. A thread of its own writes each event with one write(2), so that SIGKILL
-/// loses only what waits in the queue, and a power cut the last two seconds. A disk that is full first costs the oldest
-/// files, then the newest events, which are counted; a disk that blocks costs events, and no one's time.
+/// loses only what is still in the queue, and a power cut the last two seconds. A full disk first loses the oldest
+/// files, then the newest events, which are counted; a blocking disk loses events, but delays no caller.
 ///
-/// After a gap the next frame's call also records what the core remembers, so that a replay can go on behind it.
+/// After a gap the next frame's call also records the core's state, so that a replay can continue after it.
 class BlackBox {
  public:
-  /// Throws ConfigError naming black_box.directory if nothing can be written there, or another one writes there.
+  /// Throws ConfigError naming black_box.directory if it is not writable, or another black box writes there.
   /// `core` as it is before the first call.
   BlackBox(const config::BlackBoxConfig& config, Start start, const Coordinator& core);
   /// Waits two seconds at most for the disk.
@@ -48,8 +48,8 @@ class BlackBox {
   BlackBox(const BlackBox&) = delete;
   BlackBox& operator=(const BlackBox&) = delete;
 
-  /// Each call of the core, right after it, in their order and from the thread that makes them. Of the frame all but
-  /// its pixels: picture() and message() keep those.
+  /// Each call of the core, right after it, in order and from the thread that makes them. Of the frame all but
+  /// its pixels: picture() and message() record those.
   void frame(const Frame& frame, MonotonicTime now, const StepResult& result, const Coordinator& core) noexcept;
   /// Coordinator::set_setpoint(), and what it returned.
   void setpoint(const Setpoint& setpoint, bool taken, const Coordinator& core) noexcept;
@@ -60,17 +60,17 @@ class BlackBox {
 
   // From any thread.
 
-  /// A command that was sent: what the sender held, and what it knew to be missing, made `sent`.
+  /// A command that was sent: `sent` follows from the command that the sender held and the reason for what was missing.
   void sent(const HeldCommand& held, MonotonicTime now, Reason missing, const HeldAnswer& sent, std::int64_t session,
             std::int64_t counter) noexcept;
-  /// A message as it went over the bus. An image_t with a JPEG on ROBOT_IMAGE lets a replay see again, too.
+  /// A message as it went over the bus. An image_t with a JPEG on ROBOT_IMAGE lets a replay repeat the vision, too.
   void message(std::string_view channel, const void* data, std::size_t size_bytes) noexcept;
-  /// A picture that came raw: every now and then (black_box.picture_rate_hz) it is kept as a JPEG of quality 95 on
-  /// ROBOT_IMAGE, for people. Encoded by the box's own thread; the pixels are shared, if the frame owns them.
+  /// A raw picture: at black_box.picture_rate_hz one is kept as a JPEG of quality 95 on
+  /// ROBOT_IMAGE, for viewing. Encoded by the box's own thread; the pixels are shared, if the frame owns them.
   void picture(const Frame& frame) noexcept;
 
   Counters counters() const noexcept;  ///< since the start
-  std::string trouble() const;         ///< the disk's last refusal, in words; empty if there was none
+  std::string trouble() const;         ///< the disk's last error, as a text; empty if there was none
 
  private:
   struct Shared;

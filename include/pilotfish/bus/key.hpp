@@ -11,7 +11,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
-/// What commands and setpoints are authenticated with, shared by all who may speak. Wiped when it goes.
+/// The key that authenticates commands and setpoints, shared by all authorised senders. Wiped on destruction.
 class Key {
  public:
   static constexpr std::size_t kBytes = 32;  ///< length of a key
@@ -35,8 +35,8 @@ Key load_key(const std::string& path);
 using Mac = std::array<std::uint8_t, 32>;
 
 /// crypto_auth (libsodium), that is HMAC-SHA-512 cut off after 32 bytes, of: the channel's name, a zero byte, and the
-/// encoded message with zeros in its last field, the mac. `encoded` is the whole message, whatever its mac says;
-/// shorter than a mac it has none, and the result fits nothing.
+/// encoded message with zeros in its last field, the mac. `encoded` is the whole message, with any mac;
+/// one shorter than a mac has none, and the result matches nothing.
 Mac message_mac(const Key& key, std::string_view channel, const void* encoded, std::size_t size_bytes);
 
 /// Compares the message's own mac (its last 32 bytes) in constant time.

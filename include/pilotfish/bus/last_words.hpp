@@ -11,8 +11,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
 
-/// One message, encoded while all is well, that a dying process can still send: from a signal handler or
-/// std::terminate, where neither memory nor locks may be asked for.
+/// One message, encoded in advance, that a crashing process can still send: from a signal handler or
+/// std::terminate, where neither allocation nor locks are allowed.
 class LastWords {
  public:
   /// A whole LCM datagram for a udpm:// URL; with any other provider send() does nothing. Throws BusError if the URL is

@@ -13,7 +13,8 @@ namespace pilotfish::bus {
 /// The images of one channel in a file written by lcm-logger, oldest first.
 class LogReader {
  public:
-  /// Throws BusError if the file cannot be read as an LCM log, or has nothing on that channel (it says what it has).
+  /// Throws BusError if the file cannot be read as an LCM log, or has nothing on that channel (the message lists its
+  /// channels).
   LogReader(const std::string& path, const std::string& channel);
   ~LogReader();
   LogReader(const LogReader&) = delete;
@@ -23,7 +24,7 @@ class LogReader {
   std::optional<Frame> next();
 
   std::size_t size() const;      ///< images on the channel, corrupt ones included
-  std::int64_t damaged() const;  ///< damaged places in the file that were skipped; what they held is unknown
+  std::int64_t damaged() const;  ///< damaged parts of the file that were skipped
 
  private:
   struct File;

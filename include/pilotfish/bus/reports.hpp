@@ -19,18 +19,18 @@ namespace pilotfish::bus {
 
 /// pilotfish.command_t, out and in.
 struct CommandReport {
-  std::int64_t utime = 0;             ///< exposure of the image it answers; of the last one, when none came
-  std::int64_t session = 0;           ///< the sender's (new_session_id()); 0: nobody obeys it
+  std::int64_t utime = 0;             ///< exposure of the image it answers; of the last one, if there is no new one
+  std::int64_t session = 0;           ///< the sender's (new_session_id()); 0: never accepted
   std::int64_t counter = 0;           ///< one more with every command sent in this session
-  std::int64_t base_session = 0;      ///< of the wheels' process that the sender has heard; 0: none
+  std::int64_t base_session = 0;      ///< of the wheels' process, as received by the sender; 0: none
   Twist command;                      ///< Twist for the wheels, in the robot's base frame
   bool simulated = false;             ///< never for real wheels
   Status status = Status::searching;  ///< Status of the coordinator
   Reason reason = Reason::none;       ///< Reason for the status
 };
 
-/// pilotfish.setpoint_t, out and in; SetpointGate decides what it is worth. A stop without a right MAC, or with numbers
-/// that cannot be right, comes in as a bare stop: session and counter 0.
+/// pilotfish.setpoint_t, out and in; to be checked by SetpointGate. A stop without a right MAC, or with invalid
+/// numbers, is passed on as a bare stop: session and counter 0.
 struct SetpointReport {
   std::int64_t utime = 0;    ///< when it was sent [us]
   std::int64_t session = 0;  ///< of the coordinator it is meant for
@@ -48,16 +48,16 @@ struct BaseReport {
   std::int64_t utime = 0;         ///< when it was sent [us]
   std::int64_t session = 0;       ///< of the wheels' process; commands name it
   std::int64_t counter = 0;       ///< one more with every report of this session
-  std::int64_t obeys = 0;         ///< the session whose commands are obeyed; 0: nobody's
-  Twist command;                  ///< what the wheels are told, after every limit
-  std::optional<Twist> measured;  ///< Twist that the wheels did, from their encoders; nothing if nobody measures
+  std::int64_t obeys = 0;         ///< the session whose commands are accepted; 0: none
+  Twist command;                  ///< the wheels' command, after all limits
+  std::optional<Twist> measured;  ///< Twist measured by the encoders; nothing without them
   bool stopped = false;           ///< latched
   State state = State::waiting;   ///< what the wheels' process is doing
-  std::string text;               ///< for people; at most 80 letters travel
-  Counters rejected;              ///< at most 16 travel
+  std::string text;               ///< for display; at most 80 letters are sent
+  Counters rejected;              ///< at most 16 are sent
 };
 
-/// What goes out as pilotfish.observation_t.
+/// pilotfish.observation_t, out.
 struct ObservationReport {
   std::int64_t utime = 0;                  ///< exposure of the frame [us]
   std::optional<Observation> observation;  ///< Observation of that frame, or nothing
@@ -95,8 +95,8 @@ struct StatusReport {
   /// Of the rules, in [0, 1], row by row: E from NB to PB, within it EC from NB to PB.
   std::array<double, kStatusRules> strengths{};
   Setpoint setpoint;                ///< Setpoint that is kept
-  std::vector<StageReport> stages;  ///< at most 6 travel
-  Counters rejected;                ///< as many as fit travel with one message, and the others with the next
+  std::vector<StageReport> stages;  ///< at most 6 are sent
+  Counters rejected;                ///< as many as fit are sent with one message, and the others with the next
 
   /// Its numbers, in the order of the wire: calls visit(StatusField, pointer to the member) for each.
   template <class Visit>
@@ -118,7 +118,7 @@ struct PoseReport {
   Twist velocity;  ///< Twist in the robot's base frame
 };
 
-/// A robot's twist at a time: out and in as pilotfish.motion_t, in as what bot_core.pose_t says of it.
+/// A robot's twist at a time: out and in as pilotfish.motion_t, in also from bot_core.pose_t.
 struct MotionReport {
   std::int64_t utime = 0;  ///< time of the twist [us]
   Twist twist;             ///< Twist in the robot's base frame

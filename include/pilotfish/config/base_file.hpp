@@ -10,12 +10,12 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
-/// What turns the wheels.
+/// The wheel driver.
 struct WheelDriver {
-  /// What there is to turn the wheels.
+  /// The kinds of wheel drivers.
   enum class Kind {
-    dry_run,    ///< nothing: what the wheels would be told is only published
-    simulator,  ///< pilotfish-sim, which listens to NAME_BASE
+    dry_run,    ///< none: the wheels' command is only published
+    simulator,  ///< pilotfish-sim, which receives NAME_BASE
     serial,     ///< a motor controller on a serial line
   };
   Kind kind = Kind::dry_run;  ///< which of them
@@ -27,7 +27,7 @@ WheelDriver driver_from(const std::string& text);
 /// What `pilotfish-base --config` reads.
 struct BaseFile {
   std::string name = "robot1";  ///< the robot's name on the bus
-  WheelDriver driver;           ///< what turns the wheels
+  WheelDriver driver;           ///< the wheel driver
   std::string key_file;         ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   base::BaseConfig base;        ///< limits, wheels, guards
 };

@@ -11,12 +11,12 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
-/// What the command line said instead of the configuration, as far as the core can tell.
+/// What the command line overrides in the configuration, as far as the core is affected.
 struct ConfigOverrides {
   /// Names; empty: as configured.
   std::optional<std::string> law, profile, tuning;  ///< tuning: a file
 };
-/// Throws ConfigError; also if the tuning is for another law than the one that will drive.
+/// Throws ConfigError; also if the tuning is for another law than the active one.
 void apply(const ConfigOverrides& overrides, control::FollowerConfig& config);
 void apply(const ConfigOverrides& overrides, CoordinatorFile& file);
 
@@ -24,7 +24,7 @@ void apply(const ConfigOverrides& overrides, CoordinatorFile& file);
 struct ConfigText {
   std::string role;  ///< the key that names the file: config, camera.calibration, leader, fuzzy, tuning; --tuning
   std::string name;  ///< where it was
-  std::string text;  ///< what it said
+  std::string text;  ///< its text
 };
 
 /// Everything a coordinator is configured with, as texts: from it the same coordinator can be made anywhere.
@@ -35,8 +35,8 @@ struct ConfigBundle {
 
 /// Of a configuration that load_coordinator() takes. Throws ConfigError.
 ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverrides& overrides);
-/// What load_coordinator() and apply() gave then. Writes the texts into a temporary folder, under names of its own, and
-/// removes it. Throws ConfigError.
+/// The result that load_coordinator() and apply() gave then. Writes the texts into a temporary folder, under names of
+/// its own, and removes it. Throws ConfigError.
 CoordinatorFile load_bundle(const ConfigBundle& bundle);
 
 }  // namespace pilotfish::config

@@ -18,7 +18,7 @@ namespace pilotfish::config {
 // Each load_x(path) is parse_x(read_text_file(path)).
 
 /// ViSP's camera XML (vpXmlParserCamera) or OpenCV's calibration YAML (camera_matrix, distortion_coefficients,
-/// image_width, image_height), told apart by their content. Throws ConfigError.
+/// image_width, image_height), distinguished by their content. Throws ConfigError.
 CameraModel load_calibration(const std::filesystem::path& file);
 CameraModel parse_calibration(const TextFile& file);
 
@@ -27,27 +27,27 @@ LeaderBody load_leader_body(const std::filesystem::path& file);
 LeaderBody parse_leader_body(const TextFile& file);
 
 /// Fuzzy sets and rules: our YAML (see data/fuzzy/) or, where the name ends in .fll, fuzzylite's FLL (see
-/// fuzzy_text.hpp). Proved before it is returned. Throws ConfigError naming the variable, term, cell or line.
+/// fuzzy_text.hpp). Validated before it is returned. Throws ConfigError naming the variable, term, cell or line.
 fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
 fuzzy::Controller parse_fuzzy_controller(const TextFile& file);
 
-/// The keys of the coordinator's section `control` as a file of their own, as `pilotfish tune` writes it; what it does
-/// not name stays. Throws ConfigError.
+/// The keys of the coordinator's section `control` as a file of their own, as `pilotfish tune` writes it; keys that are
+/// not in it stay. Throws ConfigError.
 void load_tuning(const std::filesystem::path& file, control::FollowerConfig& config);
 void parse_tuning(const TextFile& file, control::FollowerConfig& config);
 
 /// Where the coordinator's own twist is measured.
 enum class Odometry {
-  none,  ///< nowhere: its commands have to do
+  none,  ///< nowhere: its commands are used
   pose,  ///< NAME_POSE, of which only speed and turn rate are used
 };
-/// Throws ConfigError listing what there is.
+/// Throws ConfigError listing the choices.
 Odometry odometry_from(std::string_view name);
 
 /// A leader's name on the bus; empty for "none". Throws ConfigError if it is no name.
 std::string leader_intent_from(const std::string& name);
 
-/// The ring of files in which everything is kept that a replay needs; see blackbox/black_box.hpp.
+/// The ring of files with everything that a replay needs; see blackbox/black_box.hpp.
 struct BlackBoxConfig {
   PILOTFISH_PARAMETERS(BlackBoxConfig);
   PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, directory, {},
@@ -56,7 +56,7 @@ struct BlackBoxConfig {
                       "size of all files of this robot; beyond, the oldest are deleted");
   PILOTFISH_PARAMETER(int, segment_mb, 50, 1, 1000, "size of one file");
   PILOTFISH_PARAMETER(double, picture_rate_hz, 2.0, 0.0, 1000.0,
-                      "so often a picture that came raw is kept as a JPEG; images that came as JPEG are all kept");
+                      "rate at which raw pictures are kept, as JPEG; images received as JPEG are all kept");
 };
 
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
@@ -64,7 +64,7 @@ struct CoordinatorFile {
   std::string name = "robot1";         ///< the robot's name on the bus
   std::string source = "lcm";          ///< where frames come from, unless --source says otherwise
   Odometry odometry = Odometry::none;  ///< where the own twist is measured
-  std::string leader_intent_from;      ///< the leader's name on the bus, to listen to LEADER_MOTION; empty: nobody
+  std::string leader_intent_from;      ///< the leader's name on the bus, to receive LEADER_MOTION; empty: none
   std::string key_file;                ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;    ///< expected of the source; 1/T of the law unless control_period_s says otherwise
   BlackBoxConfig black_box;       ///< where and how much is recorded

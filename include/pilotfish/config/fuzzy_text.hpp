@@ -11,9 +11,9 @@ namespace pilotfish::config {
 
 /// A controller written in fuzzylite's language (FLL, as of fuzzylite 6 and pyfuzzylite 8): one engine of two inputs,
 /// the error first and its change second, one output and one rule block. Not yet validated. Throws ConfigError with the
-/// line for everything that this law does not do, rather than leave it out: only Triangle, Trapezoid, Ramp, Rectangle,
+/// line for everything that is not supported, rather than ignore it: only Triangle, Trapezoid, Ramp, Rectangle,
 /// Binary and Gaussian terms of height 1; Minimum, Maximum and Centroid; one rule without hedge, `or` or weight for
-/// each cell. `default` and `lock-previous` may say anything (some rule fires for every input), and so may the
+/// each cell. `default` and `lock-previous` may have any value (some rule fires for every input), and so may the
 /// resolution of the centroid, which is exact here. Inputs saturate here, so `lock-range: false` passes only where that
 /// changes nothing. file: for messages.
 fuzzy::Controller read_fll(const std::string& text, const std::filesystem::path& file);

@@ -10,13 +10,13 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
 /// The largest configuration, calibration, leader, controller or scenario that is read: some fifty times the largest
-/// there is, and what yaml-cpp (0.2 MB/s) still reads in a second or two.
+/// that exists, and still read by yaml-cpp (0.2 MB/s) in a second or two.
 inline constexpr std::size_t kMaxTextBytes = 256 * 1024;
 
 /// A text, and where it came from: for messages, and because files it names are relative to it.
 struct TextFile {
   std::filesystem::path path;  ///< where it was read
-  std::string text;            ///< what it says
+  std::string text;            ///< its content
 };
 
 /// The only way in which this module reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError

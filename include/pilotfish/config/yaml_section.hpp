@@ -20,7 +20,7 @@ namespace pilotfish::config {
 YAML::Node parse_yaml(const std::string& text, const std::string& key, const std::filesystem::path& path);
 
 /// One mapping of a YAML file, read strictly: a missing required key, a key of the wrong type, a value out of range and
-/// a key nobody asked for are all ConfigError with the dotted key. Angles `x_rad` may be written `x_deg`.
+/// an unknown key are all ConfigError with the dotted key. Angles `x_rad` may be written `x_deg`.
 class YamlSection {
  public:
   /// Throws ConfigError (key "file") if it is not a mapping.
@@ -29,10 +29,10 @@ class YamlSection {
   /// `path`: the section's dotted key; `file`: for messages.
   YamlSection(const YAML::Node& node, std::string path, std::filesystem::path file);
 
-  /// An angle `x_rad` may stand there as `x_deg`: ask for has_angle("x_rad").
+  /// An angle `x_rad` may be given as `x_deg`: use has_angle("x_rad").
   bool has(const std::string& key) const;
-  std::vector<std::string> keys() const;  ///< those there are, in the file's order, for mappings with names as keys
-  /// has(key), and key is known from now on: finish() lists it and does not complain about it.
+  std::vector<std::string> keys() const;  ///< the existing ones, in the file's order, for mappings with names as keys
+  /// has(key), and key is known from now on: finish() lists it and accepts it.
   bool optional(const std::string& key);
   /// Whether the key is there, in radians or in degrees.
   bool has_angle(const std::string& key_rad) const { return has(key_rad) || has(degrees_key(key_rad)); }
@@ -45,7 +45,7 @@ class YamlSection {
   std::string text(const std::string& key);                   ///< throws ConfigError if it is none
   std::vector<double> numbers(const std::string& key);        ///< a list of numbers of any length; inf and NaN pass
   std::filesystem::path file_path(const std::string& key);    ///< relative to the file this section was read from
-  TextFile file(const std::string& key);                      ///< the file that stands there, read
+  TextFile file(const std::string& key);                      ///< the content of the file named there
   std::vector<std::string> texts(const std::string& key);     ///< a list of texts of any length
   YamlSection section(const std::string& key);                ///< a nested mapping
   std::vector<YamlSection> sections(const std::string& key);  ///< a list of mappings
@@ -77,8 +77,8 @@ class YamlSection {
     }
   }
 
-  /// read() of the whole tree (core/sections.hpp): a section that is not there leaves its defaults. Asks for no unknown
-  /// keys in this section itself: finish() does.
+  /// read() of the whole tree (core/sections.hpp): a section that is not there leaves its defaults. Does not check for
+  /// unknown keys in this section itself: finish() does.
   template <class Config>
   void read_tree(Config& config) {
     if constexpr (kHasParameters<Config>) read(config);
@@ -100,10 +100,10 @@ class YamlSection {
     part.finish();
   }
 
-  /// Call when done: throws ConfigError naming the first key that was never asked for, with the keys that exist.
+  /// Call when done: throws ConfigError naming the first unknown key, with the keys that exist.
   void finish() const;
 
-  /// For errors that only the reader can see: ConfigError with this section's path before the key.
+  /// For errors that only the caller can detect: ConfigError with this section's path before the key.
   ConfigError error(const std::string& key, const std::string& problem) const;
   const std::filesystem::path& file() const { return file_; }  ///< from which it was read
 

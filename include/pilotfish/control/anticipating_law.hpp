@@ -11,8 +11,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// The paper's law around a feed-forward of the leader's motion. It acts on a predicted error, without the delay of the
-/// camera and the wheels, and can therefore be steeper than the law as published: hence scales of its own.
+/// The paper's law around a feed-forward of the leader's motion. It acts on a predicted error, free of the delay of the
+/// camera and the wheels, and can therefore be steeper than the law as published: hence its own scales.
 struct AnticipateConfig {
   PILOTFISH_PARAMETERS(AnticipateConfig);
   PILOTFISH_PARAMETER(double, error_scale_m, 0.28, 0.01, 20.0,
@@ -23,17 +23,17 @@ struct AnticipateConfig {
                       "speed relative to the leader commanded at 1 on the universe of u");
   PILOTFISH_PARAMETER(double, heading_gain_per_s, 6.0, 0.0, 20.0, "turn rate per radian of predicted bearing error");
   PILOTFISH_PARAMETER(double, half_weight_sigma_mps, 0.1, 1e-3, 10.0,
-                      "standard deviation of the leader's velocity at which it counts half");
+                      "standard deviation of the leader's velocity at which the feed-forward weight is 1/2");
   PILOTFISH_PARAMETER(double, minimum_distance_m, 0.4, 0.0, 20.0,
-                      "d_min: never so fast that the robot could not stop before, should the leader stop dead");
+                      "d_min: the speed is limited so that the robot can stop at it if the leader stops dead");
   PILOTFISH_PARAMETER(double, safety_sigmas, 3.0, 0.0, 10.0,
-                      "the distance counts as shorter by so many standard deviations when that is judged");
+                      "for d_min the distance is reduced by this many standard deviations");
   /// See keep_in_view().
   PILOTFISH_PARAMETER(double, guard_time_s, 0.5, 0.05, 5.0,
                       "the leader may not approach the picture's edge faster than this");
   /// See eased_speed().
   PILOTFISH_PARAMETER(double, ease_time_s, 0.1, 0.0, 2.0,
-                      "time constant with which the top speed is approached; 0: with a jolt");
+                      "time constant with which the top speed is approached; 0: none");
 };
 
 /// Bearings at which the leader is in the picture; from the camera and its mounting.
@@ -42,19 +42,19 @@ struct FieldOfView {
   double left_rad = 3.14159265358979323846;    ///< the picture's left edge [rad], positive ahead
 };
 
-/// What the drive can do about it: limits, and how long it takes until it begins.
+/// The drive: its limits, and the delay until a command takes effect.
 struct Reaction {
   LimitsConfig limits;   ///< what the drive can do
   double delay_s = 0.0;  ///< latency and lag together
 };
 
-/// How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].
+/// The feed-forward weight of the leader's estimated velocity: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].
 double feed_forward_weight(const AnticipateConfig& config, const LeaderMotion& leader) noexcept;
 
 /// The wanted twist for the leader as predicted for the moment at which the command has taken effect; `own` is the
-/// twist of the robot at that moment if nothing changed. Not yet limited.
+/// twist of the robot at that moment under unchanged commands. Not yet limited.
 struct Anticipation {
-  Twist wanted;              ///< Twist that the law wants; not yet limited
+  Twist wanted;              ///< output of the law; not yet limited
   VelocityCommand velocity;  ///< the fuzzy law on the predicted error
 };
 Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocityConfig& paper,
@@ -64,13 +64,13 @@ Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocity
 /// Fastest speed from which the robot can still stop d_min away from a leader that stops dead now. Never negative.
 double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept;
 
-/// Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a jolt. Slowing down is never
-/// eased.
+/// Fastest speed a time dt_s after `previous_mps` that approaches the top speed smoothly. Slowing down is never
+/// delayed.
 double eased_speed(const AnticipateConfig& config, const LimitsConfig& limits, double previous_mps,
                    double dt_s) noexcept;
 
 /// The nearest twist to `wanted` with which the leader, as predicted, approaches the edge of the picture no faster
-/// than it would need to reach it in guard_time_s.
+/// than would reach it in guard_time_s.
 Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const Reaction& reaction,
                    const LeaderMotion& leader, const Twist& wanted) noexcept;
 

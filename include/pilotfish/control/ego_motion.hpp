@@ -13,15 +13,15 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// How late the wheels do what they are told.
+/// The delay with which the wheels follow their commands.
 struct DriveModelConfig {
   PILOTFISH_PARAMETERS(DriveModelConfig);
   PILOTFISH_PARAMETER(double, latency_s, 1.0 / 30.0, 0.0, 0.25,
-                      "from the exposure to the moment the command that answers it acts");
+                      "from the exposure to the moment the command for it reaches the wheels");
   PILOTFISH_PARAMETER(double, actuator_lag_s, 0.1, 0.0, 1.0, "time constant of the wheels' speed control; 0: none");
   PILOTFISH_PARAMETER(
       double, odometry_filter_s, 0.1, 0.0, 1.0,
-      "time constant with which odometry, where there is one, corrects the model of the drive; 0: at once");
+      "time constant with which odometry, where there is any, corrects the model of the drive; 0: at once");
 };
 
 /// Where the own motion is taken from.
@@ -31,15 +31,15 @@ enum class EgoMotionSource {
 };
 std::string_view to_string(EgoMotionSource source) noexcept;
 
-/// Where the robot has got to by its own commands: dead reckoning through a model of the drive (latency, a ramp of the
-/// set value with the limits' acceleration, first-order lag), in an odometry frame that begins where it began. Only
-/// what happens within a second or two matters: the leader is estimated in this frame, and a slow drift of it looks
+/// The robot's motion from its own commands: dead reckoning through a model of the drive (latency, a ramp of the
+/// set value with the limits' acceleration, first-order lag), in an odometry frame whose origin is its first pose. Only
+/// the last second or two matter: the leader is estimated in this frame, and a slow drift of it looks
 /// like motion of the leader that a follower has to compensate anyway.
 ///
-/// Where there is odometry, the motion is the model's plus the model's error, which each measured twist shows anew
-/// (seen through a low-pass, since odometry has noise and the model has not): the error came in a straight line from
-/// the twist before and stays until the next, for kCovered_s at most. So when odometry falls silent everything is as
-/// without it, by itself.
+/// Where there is odometry, the motion is the model's plus the model's error, which each measured twist updates
+/// (through a low-pass, since odometry has noise and the model has not): the error is interpolated linearly from
+/// the twist before and held until the next, for kCovered_s at most. So when odometry ends, the result returns to that
+/// without it.
 ///
 /// A value: copy it to look ahead. No allocation.
 class EgoMotion {
@@ -47,10 +47,10 @@ class EgoMotion {
   /// At rest, where the odometry frame begins.
   EgoMotion(const DriveModelConfig& drive, const LimitsConfig& limits);
 
-  /// From acts_utime on the wheels are told this; commands come in the order in which they act.
+  /// From acts_utime on this is the wheels' command; commands come in the order in which they act.
   void command(const Twist& twist, std::int64_t acts_utime) noexcept;
-  /// What odometry says of the twist at utime. False, and nothing changes, unless it is finite, within kBeyondLimits
-  /// of what the drive can do, and later than everything that is known already.
+  /// The twist that odometry measured at utime. False, and nothing changes, unless it is finite, within kBeyondLimits
+  /// times the limits of the drive, and later than every twist before.
   bool measured(std::int64_t utime, const Twist& twist) noexcept;
   /// Moves on to utime. The first call only sets the clock; a time in the past changes nothing.
   void advance_to(std::int64_t utime) noexcept;
@@ -60,11 +60,11 @@ class EgoMotion {
 
   std::int64_t utime() const { return utime_; }  ///< the present [us]
   const Pose2& pose() const { return pose_; }    ///< in the odometry frame
-  /// The real one, behind the commands.
+  /// The real one, which lags the commands.
   Twist twist() const {
     return {twist_.linear_mps + model_error_.linear_mps, twist_.angular_radps + model_error_.angular_radps};
   }
-  EgoMotionSource source() const {  ///< of what is known about utime()
+  EgoMotionSource source() const {  ///< at utime()
     return last_measured_utime_ ? EgoMotionSource::odometry : EgoMotionSource::commanded;
   }
 
@@ -74,8 +74,8 @@ class EgoMotion {
             self.measured_, self.last_measured_utime_, self.model_error_);
   }
 
-  static constexpr double kCovered_s = 0.2;     ///< a measured twist says nothing about what is longer ago or ahead
-  static constexpr double kBeyondLimits = 1.5;  ///< pushed, or downhill; what is faster is no robot of these limits
+  static constexpr double kCovered_s = 0.2;     ///< a measured twist is not used for times further from it
+  static constexpr double kBeyondLimits = 1.5;  ///< pushed, or downhill; more is implausible
 
  private:
   struct Command {
@@ -98,7 +98,7 @@ class EgoMotion {
   Pose2 pose_;
   Twist twist_, set_value_, acting_;      ///< of the model
   BoundedVector<Command, 16> pending_;    ///< by time; when full, the oldest acts early
-  BoundedVector<Measured, 64> measured_;  ///< still ahead of utime_, by time; when full, the oldest is forgotten
+  BoundedVector<Measured, 64> measured_;  ///< still ahead of utime_, by time; when full, the oldest is dropped
   std::optional<std::int64_t> last_measured_utime_;  ///< of the last one that utime_ has reached; empty: too long ago
   Twist model_error_;                                ///< measured minus model; zero without odometry
 };

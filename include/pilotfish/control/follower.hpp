@@ -43,11 +43,11 @@ struct FollowerConfig {
   LimitsConfig limits;                                 ///< of every command
   AnticipateConfig anticipate;                         ///< of profile `anticipate`
   LeaderMotionConfig leader_motion;                    ///< how leaders move
-  DriveModelConfig drive;                              ///< how late the wheels are
+  DriveModelConfig drive;                              ///< the wheels' delay
   std::string active_law = kFuzzyLaw;                  ///< or the name of one of `laws`
   std::vector<LawDescription> laws = built_in_laws();  ///< what may drive instead of the fuzzy law
   FieldOfView view;                                    ///< of the camera, for the guard of `anticipate`
-  LeaderIntentConfig leader_intent;                    ///< how much a leader's own word counts
+  LeaderIntentConfig leader_intent;                    ///< how the leader intent is used
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp; those of `laws` come besides
@@ -69,35 +69,35 @@ void check_own_law_name(std::string_view name);
 void add_law(FollowerConfig& config, LawDescription law);
 /// Throws ConfigError, key `law`, unless every one of `laws` has a name to itself; a Follower does so, too.
 void check_law_names(const FollowerConfig& config);
-/// What may drive: the fuzzy law, and config.laws.
+/// The laws that can be active: the fuzzy law, and config.laws.
 std::vector<std::string> law_names(const FollowerConfig& config);
 /// Throws ConfigError, key `law`, listing them.
 void set_active_law(FollowerConfig& config, const std::string& name);
-/// Whether a section of the configuration's `control` has an effect on what drives: `pid` has none on the fuzzy law.
+/// Whether a section of the configuration's `control` affects the active law: `pid` does not affect the fuzzy one.
 bool uses_section(const FollowerConfig& config, std::string_view section) noexcept;
 
-/// What a Follower answers, and how it came to it.
+/// A Follower's answer, with its intermediate results.
 struct FollowerOutput {
   Twist command;  ///< within the limits; zero unless `reason` is none
-  /// law_not_finite: the law's twist, the measurement or the setpoint was no number. The past is forgotten, as by
+  /// law_not_finite: the law's twist, the measurement or the setpoint was not finite. The law is reset, as by
   /// restart(), and the next follow() starts from rest.
   Reason reason = Reason::none;
-  /// What the fuzzy law says on the measured error or, where it anticipates, on the predicted one. Another law does not
-  /// listen.
+  /// The fuzzy law's answer to the measured error or, where it anticipates, to the predicted one. Not used by other
+  /// laws.
   VelocityCommand velocity;
   /// Profile `anticipate`, once the leader's motion is known: as predicted for the moment the command has taken effect.
   std::optional<LeaderMotion> leader;
   double feed_forward_weight = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
   EgoMotionSource ego_motion = EgoMotionSource::commanded;  ///< where the own motion was taken from
-  LeaderIntentUse leader_intent = LeaderIntentUse::silent;  ///< what the leader's word was worth
+  LeaderIntentUse leader_intent = LeaderIntentUse::silent;  ///< how the leader intent was used
 };
 
-/// The way into this module: Observation in, Twist out. Time comes from the observations.
+/// The entry point of this module: Observation in, Twist out. Time comes from the observations.
 ///
 ///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
 ///   anticipate  own commands, odometry --> EgoMotion --+
 ///               observation ---------------------------+--> LeaderMotionEstimator --> prediction --> anticipate()
-///               leader_intent --> LeaderIntent: judged by that estimate, may slow the prediction down
+///               leader_intent --> LeaderIntent: checked against that estimate, may slow the prediction down
 ///                                                 --> blended with the paper's command by feed_forward_weight -->
 ///                                                 guards --> limits
 class Follower {
@@ -108,16 +108,16 @@ class Follower {
   /// One measurement, one command, always finite. Time comes from the observations.
   FollowerOutput follow(const Observation& observation, const Setpoint& setpoint);
 
-  /// What odometry measured of this robot, and what the leader says of itself; times as those of the observations.
-  /// False, and nothing changes, if it cannot be used. Never needed; profile `anticipate` alone listens.
+  /// What odometry measured of this robot, and the leader intent; times as those of the observations.
+  /// False, and nothing changes, if it cannot be used. Optional; used by profile `anticipate` alone.
   bool set_ego_motion(std::int64_t utime, const Twist& twist) noexcept { return own_.measured(utime, twist); }
-  /// The leader's own word; as set_ego_motion().
+  /// The leader intent; as set_ego_motion().
   bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.announce(utime, twist); }
 
-  /// Forget the past: from since_utime on the robot is told to stand still. The next follow() starts with ec = 0 from
+  /// Resets the law: from since_utime on the command is zero. The next follow() starts with ec = 0 from
   /// rest; dead reckoning goes on, because the wheels still have to come to rest.
   void restart(std::int64_t since_utime);
-  /// The same where the next observation's time does not relate to any before: dead reckoning begins anew, too.
+  /// The same where the next observation's time is unrelated to those before: dead reckoning is reset, too.
   void restart_on_new_clock() noexcept;
 
   template <class Self, class Archive>
@@ -128,14 +128,14 @@ class Follower {
 
  private:
   void forget_leader() noexcept;
-  /// What the active law wants, not yet limited.
+  /// The output of the active law, not yet limited.
   Twist wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
   /// The paper's law.
   Twist as_published(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
-  /// What `anticipate` makes of it.
+  /// The command of profile `anticipate`.
   Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published, double dt_s,
                     FollowerOutput& output);
-  /// The leader when the command has taken effect, as slow as it has announced.
+  /// The leader when the command has taken effect, slowed down to its intent.
   LeaderEstimate slowed_leader(std::int64_t effect_utime) const noexcept;
   std::int64_t acts_utime(std::int64_t utime) const;
 

@@ -23,9 +23,9 @@ struct FuzzyVelocityConfig {
       "width of the inputs, in standard deviations of the measured distance; 0: singletons, as they are");
 };
 
-/// One evaluation with all it went through, for the status message and for people.
+/// One evaluation with its intermediate results, for the status message and for inspection.
 struct VelocityCommand {
-  double linear_mps = 0.0;      ///< forward speed the law wants [m/s]
+  double linear_mps = 0.0;      ///< forward speed commanded by the law [m/s]
   double error_m = 0.0;         ///< e(t) = d_p - d(t); positive: too close
   double error_change_m = 0.0;  ///< ec(t), referred to one control period
   fuzzy::Inference inference;   ///< output u* in [-1, 1] and the strengths of the 56 rules
@@ -35,9 +35,9 @@ struct VelocityCommand {
 /// so ec is taken as the error's rate over the REAL time between two measurements, times T; at the nominal rate this is
 /// the paper's difference. Without a previous measurement ec = 0.
 ///
-/// With input_sigmas = k > 0 the inputs are as wide as they are uncertain: A' is a Gaussian around e of sigma k
+/// With input_sigmas = k > 0 the inputs have the width of their uncertainty: A' is a Gaussian around e of sigma k
 /// sigma_d, and B' one around ec of k sqrt(2) sigma_d T/dt, the sigma of the difference of two independent distances.
-/// distance_sigma_m: of distance_m, from its covariance. One that is not finite counts as 0.
+/// distance_sigma_m: of distance_m, from its covariance; taken as 0 if it is not finite.
 VelocityCommand fuzzy_velocity(const fuzzy::Controller& controller, const FuzzyVelocityConfig& config,
                                double distance_setpoint_m, double distance_m, std::optional<double> previous_error_m,
                                double dt_s, double distance_sigma_m = 0.0);

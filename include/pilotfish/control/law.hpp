@@ -17,17 +17,17 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// A law that drives instead of the fuzzy one: a measurement in, a twist out. Follower limits what it wants, turns the
-/// robot to a leader that is beside it, and stops it; a law needs none of that.
+/// A law that drives instead of the fuzzy one: a measurement in, a twist out. Follower limits its output, turns the
+/// robot to a leader that is beside it, and stops it; a law need not do so.
 class Law {
  public:
   virtual ~Law() = default;
   /// The wanted twist, not yet limited; dt_s [s] since the last call, one control period at the first after a restart.
-  /// A law that fails returns a twist that is not finite, and the robot stands still.
+  /// A law that fails returns a twist that is not finite, and the robot stops.
   virtual Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept = 0;
-  /// Forget the past: the robot stands still from now on.
+  /// Resets the law: the robot stands still from now on.
   virtual void restart() noexcept {}
-  /// What it remembers between two calls, for recordings that are replayed from their middle (core/checkpoint.hpp).
+  /// Its state between two calls, for recordings that are replayed from their middle (core/checkpoint.hpp).
   virtual void remember(CheckpointWriter&) const {}
   virtual void remember(CheckpointReader&) {}  ///< as it was written
 };
@@ -41,7 +41,7 @@ struct LawParameter {
   std::string text;             ///< one sentence for the documentation
 };
 
-/// A law as the configuration, the command line, the documentation and Python know it.
+/// A law's description for the configuration, the command line, the documentation and Python.
 struct LawDescription {
   std::string name;                      ///< one word, as in `law: pid`
   std::string text;                      ///< one line for lists

@@ -14,54 +14,57 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// How much a leader's own word counts.
+/// How the leader intent is used.
 struct LeaderIntentConfig {
   PILOTFISH_PARAMETERS(LeaderIntentConfig);
   PILOTFISH_PARAMETER(double, linear_tolerance_mps, 0.03, 0.001, 1.0,
-                      "an announced speed so near to the seen one says the same");
+                      "an announced speed this near to the estimated one agrees with it");
   PILOTFISH_PARAMETER(double, angular_tolerance_radps, 0.15, 0.001, 5.0, "the same, of the turn rate");
-  PILOTFISH_PARAMETER(double, max_age_s, 0.1, 0.0, 0.1, "older than the picture by more than this it says nothing");
-  PILOTFISH_PARAMETER(double, confirmed_within_s, 0.15, 0.1, 0.5, "what is announced must be seen after so long");
-  PILOTFISH_PARAMETER(double, probation_s, 0.5, 0.1, 60.0, "so long it must have agreed with vision before it counts");
-  PILOTFISH_PARAMETER(double, suspended_s, 5.0, 1.0, 3600.0, "so long it does not count after one disagreement");
+  PILOTFISH_PARAMETER(double, max_age_s, 0.1, 0.0, 0.1,
+                      "an intent older than the picture by more than this is not used");
+  PILOTFISH_PARAMETER(double, confirmed_within_s, 0.15, 0.1, 0.5, "vision must confirm a used intent within this time");
+  PILOTFISH_PARAMETER(double, probation_s, 0.5, 0.1, 60.0,
+                      "the intent must have agreed with vision for this time before use");
+  PILOTFISH_PARAMETER(double, suspended_s, 5.0, 1.0, 3600.0,
+                      "the intent is not used for this time after one disagreement");
 };
 
 enum class LeaderIntentUse {
   silent,     ///< nothing announced, or too old
   probation,  ///< has not agreed with vision for long enough yet
-  agrees,     ///< says what vision says: vision is used
-  used,       ///< says that the leader is slowing down, which cannot be seen yet
+  agrees,     ///< agrees with vision: vision is used
+  used,       ///< the leader is slowing down, which vision cannot measure yet
   suspended,  ///< vision contradicted it
 };
 std::string_view to_string(LeaderIntentUse use) noexcept;
 
-/// The twist a leader announces of itself, and what it is worth. Vision knows a steady leader's speed to millimetres
-/// per second; all that a leader knows better is that it is about to change, which a picture shows one or two frames
-/// late. So the word counts only
+/// The twist a leader announces of itself, and whether to use it. Vision measures a steady leader's speed to
+/// millimetres per second; the intent adds only the coming change of that speed, which a picture shows one or two
+/// frames late. So it is used only
 ///
-/// - after it has agreed with vision alone for probation_s: what was announced lately, give or take the tolerance and
-///   three standard deviations of the estimate, holds what is seen;
-/// - if it says that the leader is slower than vision still shows, by more than two tolerances: it can make the
-///   robot slower, never faster, and never moves one that stands;
-/// - while the leader drives away: to a leader that comes nearer, slow is not the safe side;
-/// - for confirmed_within_s: if vision has not seen it by then, or when the leader says otherwise, it is suspended.
+/// - after it has agreed with vision alone for probation_s: the estimate is within the range of the recent intents,
+///   widened by the tolerance and three standard deviations of the estimate;
+/// - if it is slower than the estimate of vision by more than two tolerances: it can make the
+///   robot slower, never faster, and never moves a standing one;
+/// - while the leader drives away: if it approaches, assuming a lower speed is not safe;
+/// - for confirmed_within_s: if vision has not confirmed it by then, or the intent is withdrawn, it is suspended.
 ///
-/// Nothing announced enters the estimate of vision, so that this stays the judge, and a lie leaves no trace in it.
+/// No intent enters the estimate of vision, which stays an independent reference that a false intent cannot affect.
 class LeaderIntent {
  public:
-  explicit LeaderIntent(const LeaderIntentConfig& config) : config_(config) {}  ///< nothing heard yet
+  explicit LeaderIntent(const LeaderIntentConfig& config) : config_(config) {}  ///< nothing received yet
 
-  /// False, and nothing changes, unless it is finite, of this world and newer than the last.
+  /// False, and nothing changes, unless it is finite, plausible and newer than the last.
   bool announce(std::int64_t utime, const Twist& twist) noexcept;
 
-  bool heard() const { return !heard_.empty(); }  ///< anything has been announced
+  bool heard() const { return !heard_.empty(); }  ///< an intent has been received
 
-  /// Once a frame, with the leader as vision alone has it at that frame's time, seen from `own`.
+  /// Once a frame, with vision's own estimate of the leader at that frame's time, relative to `own`.
   LeaderIntentUse evaluate(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept;
 
-  /// If evaluate() has said `used`: when that holds from.
+  /// If evaluate() returned `used`: the time from which it holds.
   std::int64_t since_utime() const { return newest().utime; }
-  /// If evaluate() has said `used`: the estimate as slow as announced.
+  /// If evaluate() returned `used`: the estimate, slowed down to the intent.
   LeaderEstimate slowed(const LeaderEstimate& seen) const noexcept;
 
   /// The leader was lost: probation begins anew, a suspension goes on.
@@ -89,9 +92,9 @@ class LeaderIntent {
   LeaderIntentUse suspend(std::int64_t utime) noexcept;
 
   LeaderIntentConfig config_;
-  BoundedVector<Announcement, 64> heard_;  ///< by time; when full, the oldest is forgotten
+  BoundedVector<Announcement, 64> heard_;  ///< by time; when full, the oldest is dropped
   std::optional<std::int64_t> agreeing_since_, suspended_until_;
-  std::array<std::optional<double>, 2> claims_;  ///< by axis: how slow the leader said it was, not yet seen
+  std::array<std::optional<double>, 2> claims_;  ///< by axis: the slower speed announced, not yet confirmed
 };
 
 }  // namespace pilotfish::control

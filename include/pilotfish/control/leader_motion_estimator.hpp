@@ -26,15 +26,15 @@ struct LeaderMotionConfig {
   PILOTFISH_PARAMETER(double, change_rate_per_s, 0.2, 1e-4, 30.0, "how often a leader passes from one to another");
   PILOTFISH_PARAMETER(double, own_position_sigma, 0.0002, 0.0, 1.0, "error of the own dead reckoning [m per sqrt(s)]");
   PILOTFISH_PARAMETER(double, gate_sigma, 6.0, 3.0, 100.0, "a measurement farther off than this is an outlier");
-  PILOTFISH_PARAMETER(int, max_outliers, 3, 1, 30, "so many in a row are none: the estimate begins anew");
+  PILOTFISH_PARAMETER(int, max_outliers, 3, 1, 30, "this many outliers in a row restart the estimate");
 };
 
 using LeaderVector = Eigen::Matrix<double, 6, 1>;
 using LeaderMatrix = Eigen::Matrix<double, 6, 6>;
 
 /// Where the leader is and how it moves, in the odometry frame of EgoMotion: (x, y, vx, vy, heading, turn rate). The
-/// velocity is a vector of its own, not speed times heading: so a tag that is glued on crooked by a degree, or a leader
-/// that drives backwards, is nothing special. The heading counts on beyond pi.
+/// velocity is a vector of its own, not speed times heading: so a tag that is mounted a degree off, or a leader
+/// that drives backwards, is no special case. The heading is not wrapped at pi.
 struct LeaderEstimate {
   LeaderVector mean = LeaderVector::Zero();        ///< m, m/s, rad, rad/s
   LeaderMatrix covariance = LeaderMatrix::Zero();  ///< of the mean
@@ -49,13 +49,13 @@ struct LeaderEstimate {
 LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_sigma, double turn_sigma,
                               double position_sigma, double dt_s) noexcept;
 
-/// Follows the leader's motion by vision alone: three extended Kalman filters that differ in how much process noise
+/// Estimates the leader's motion by vision alone: three extended Kalman filters that differ in how much process noise
 /// they allow the leader, joined by the interacting multiple model method (Blom and Bar-Shalom, IEEE Trans. Automatic
-/// Control 33(8), 1988). The quiescent mode alone would be slow to see a leader stop, the abrupt one alone would pass
-/// the camera's noise on to the wheels. No allocation, nothing throws.
+/// Control 33(8), 1988). The quiescent mode alone would be slow to follow a stop of the leader, the abrupt one alone
+/// would pass the camera's noise on to the wheels. No allocation, nothing throws.
 class LeaderMotionEstimator {
  public:
-  /// What an update led to.
+  /// The result of an update.
   enum class Outcome {
     started,
     updated,
@@ -65,13 +65,13 @@ class LeaderMotionEstimator {
     unusable
   };
 
-  /// Knows of no leader yet.
+  /// Without a leader yet.
   explicit LeaderMotionEstimator(const LeaderMotionConfig& config) : config_(config) {}
 
   /// One measurement, taken when the coordinator was at `own` (in its odometry frame), with its own covariance. A
   /// covariance or a number that is not finite is `unusable` and changes nothing.
   Outcome update(const Observation& observation, const Pose2& own) noexcept;
-  void reset() noexcept { started_ = false; }  ///< forgets the leader
+  void reset() noexcept { started_ = false; }  ///< without a leader again
 
   bool started() const { return started_; }      ///< there is an estimate
   std::int64_t utime() const { return utime_; }  ///< of the last update
@@ -103,7 +103,7 @@ class LeaderMotionEstimator {
   int outliers_ = 0;
 };
 
-/// The leader as seen from a pose of the coordinator: what the law works on.
+/// The leader relative to a pose of the coordinator: the law's input.
 struct LeaderMotion {
   /// Of the leader's base origin, and its heading relative to the coordinator's.
   double distance_m = 0.0, bearing_rad = 0.0, heading_rad = 0.0;

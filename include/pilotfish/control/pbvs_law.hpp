@@ -32,7 +32,7 @@ class PbvsLaw final : public Law {
   PbvsLaw(const PbvsConfig& config, const LimitsConfig& limits);
   ~PbvsLaw() override;
 
-  /// The wanted twist, not yet limited. Not finite if ViSP throws, which the coordinator answers by standing still.
+  /// The wanted twist, not yet limited. Not finite if ViSP throws, to which the coordinator answers with a stop.
   Twist follow(const Observation& observation, const Setpoint& setpoint, double dt_s) noexcept override;
 
  private:

@@ -12,7 +12,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// Gains of two independent PID controllers. The speeds they ask for are limited like those of every law.
+/// Gains of two independent PID controllers. Their speeds are limited like those of every law.
 struct PidConfig {
   PILOTFISH_PARAMETERS(PidConfig);
   PILOTFISH_PARAMETER(double, distance_kp, 1.5, 0.0, 50.0, "speed per metre of distance error [1/s]");
@@ -25,7 +25,7 @@ struct PidConfig {
 };
 
 /// A baseline for the fuzzy law: PID on the distance and on the bearing, with a filtered derivative of the measurement
-/// and an integral that stands still while the output is saturated (clamping, Astrom and Hagglund, Advanced PID
+/// and an integral that is held while the output is saturated (clamping, Astrom and Hagglund, Advanced PID
 /// Control, 3.5).
 class PidLaw final : public Law {
  public:

@@ -20,7 +20,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// What must never happen, in numbers.
+/// The limits of safety.
 struct SafetyConfig {
   PILOTFISH_PARAMETERS(SafetyConfig);
   PILOTFISH_PARAMETER(
@@ -29,27 +29,27 @@ struct SafetyConfig {
   /// There the two robots would touch.
   PILOTFISH_PARAMETER(
       double, stop_distance_m, 0.4, 0.0, 20.0,
-      "no setpoint below this is taken: between turning centres, the halves of both robots and a margin");
+      "no setpoint below this is accepted: between turning centres; half of each robot's length and a margin");
   PILOTFISH_PARAMETER_WITHOUT_RANGE(
       bool, noiseless_camera, false,
-      "true: pictures are synthetic, so that the same pixels again and again do not mean a frozen camera");
+      "true: pictures are synthetic, so that repeated identical pixels do not mean a frozen camera");
 };
 
-/// What the age limit bounds is blind travel: max_age_s times the top speed. Above 100 ms it is allowed only as far as
-/// that product stays what it is at 0.6 m/s and 100 ms.
+/// The age limit bounds blind travel: max_age_s times the top speed. Above 100 ms it is allowed only while
+/// that product is at most that of 0.6 m/s and 100 ms.
 inline constexpr double kOrdinaryMaxAge_s = 0.1;
 inline constexpr double kMaxBlindTravel_m = 0.06;
-/// Frames must come a little more often than measurements die, or the robot would stutter: 12 Hz at 100 ms.
+/// Frames must come a little more often than measurements expire, or the robot would stop in between: 12 Hz at 100 ms.
 inline constexpr double kMinFramesPerMaxAge = 1.2;
 
-/// Everything a coordinator needs to know; see data/config/coordinator.yaml.
+/// A coordinator's configuration; see data/config/coordinator.yaml.
 struct CoordinatorConfig {
   CameraModel camera;                   ///< size and lens of the coordinator's camera
   CameraMounting mounting;              ///< where it sits on the coordinator
   LeaderBody leader;                    ///< the tags to follow
   vision::LeaderObserverConfig vision;  ///< how the leader is seen
   control::FollowerConfig control;      ///< how it is followed
-  SafetyConfig safety;                  ///< what must never happen
+  SafetyConfig safety;                  ///< the limits of safety
   Setpoint setpoint;                    ///< what to keep at first
 
   template <class Visit>
@@ -62,23 +62,23 @@ struct CoordinatorConfig {
   }
 };
 
-/// What one frame led to: status and reason, the measurement, the law's inner life, the command.
+/// The result of one frame: status and reason, the measurement, the law's intermediate results, the command.
 struct StepResult {
   std::int64_t utime = 0;                          ///< exposure of the frame this answers [us]
   Status status = Status::searching;               ///< Status of the coordinator
   Reason reason = Reason::none;                    ///< Reason for the status
   std::optional<Observation> observation;          ///< only when measured in this very frame
   std::optional<control::FollowerOutput> control;  ///< only when the law ran in this very frame
-  Twist command;                                   ///< what the wheels should do now
+  Twist command;                                   ///< for the wheels, now
 };
 
-/// In two parts, so that a replay of recorded sights can go without the second.
+/// In two parts, so that a replay of recorded observations can omit the second.
 struct CoordinatorMemory {
   Bytes decisions;  ///< timeline, law, setpoint, held command
-  Bytes vision;     ///< what the observer and the watch for a frozen camera remember
+  Bytes vision;     ///< state of the observer and of the frozen-camera check
 };
 
-/// The coordinator, on one screen:
+/// The coordinator:
 ///
 ///     Frame, arrival --> FrameTimeline: in order, fresh? --> FrozenCamera --> vision::LeaderObserver --> Observation
 ///                                                                                                           |
@@ -90,7 +90,7 @@ struct CoordinatorMemory {
 ///   searching --measured--> tracking --not measured--> coasting --older than max_age_s--> lost --measured--> tracking
 ///   any --setpoint.run = false--> stopped;  a frame that cannot be used is "not measured" too, as invalid_input
 ///
-/// Nothing about a frame that is not a measurement can lengthen the life of the last one: HeldCommand is written when
+/// A frame without a measurement cannot prolong the last one: HeldCommand is written when
 /// the law has answered a measurement, and cleared; nowhere else.
 class Coordinator {
  public:
@@ -101,30 +101,30 @@ class Coordinator {
   /// it is, the earlier one holds.
   StepResult step(const Frame& frame, MonotonicTime now) noexcept;
 
-  /// step() without the vision: `sight` is what the observer made of the frame exposed at `utime`. For simulations that
+  /// step() without the vision: `sight` is the observer's result for the frame exposed at `utime`. For simulations that
   /// draw measurements instead of pictures, and for replays of recorded ones; everything behind the observer is the
   /// same.
   StepResult step_observation(std::int64_t utime, const vision::ObservationResult& sight, MonotonicTime now,
                               std::int64_t known_age_us = 0) noexcept;
 
   /// What holds at `now` if no newer frame has come: the last command for as long as it is fresh, then zeros. Changes
-  /// nothing, so a watchdog may ask as often as it likes without disturbing determinism. `reason` says what was
+  /// nothing, so that a watchdog may call it at any time without affecting determinism. `reason` is what was
   /// missing.
   StepResult command_at(MonotonicTime now, Reason reason = Reason::no_frame) const noexcept;
-  /// The same as a value, for whoever sends commands on a thread of its own.
+  /// The same as a value, for a thread that sends commands.
   const HeldCommand& held() const { return held_; }
 
-  /// False, and the old one stays, if a number is out of range, not finite, or asks for less than the stop distance. A
-  /// stop is always taken: then only `run` changes if the rest cannot be used.
+  /// False, and the old one stays, if a number is out of range, not finite, or below the stop distance. A
+  /// stop is always accepted: then only `run` changes if the rest cannot be used.
   bool set_setpoint(const Setpoint& setpoint) noexcept;
   const Setpoint& setpoint() const { return setpoint_; }  ///< what is kept
 
-  /// Optional, at any rate, between frames: the own twist as odometry measured it, and the twist the leader announces
-  /// of itself. utime is on the frames' clock. False, and nothing changes, if it cannot be used: not finite, too fast,
+  /// Optional, at any rate, between frames: the own twist as odometry measured it, and the leader
+  /// intent. utime is on the frames' clock. False, and nothing changes, if it cannot be used: not finite, too fast,
   /// not newer than the last, more than kOtherClock_s away from the last frame, or no frame yet. Neither moves the
   /// robot; see control::EgoMotion and control::LeaderIntent.
   bool set_ego_motion(std::int64_t utime, const Twist& twist) noexcept;
-  /// The leader's own word; see set_ego_motion().
+  /// The leader intent; see set_ego_motion().
   bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept;
   static constexpr double kOtherClock_s = 1.0;  ///< farther from the last frame is another clock
   /// By the observer, since the start
@@ -132,13 +132,13 @@ class Coordinator {
   std::int64_t whole_picture_searches() const { return observer_.whole_picture_searches(); }  ///< since the start
   /// Times the stages of the observer from the next frame on, with the caller's clock; nullptr: not any more.
   void time_stages(vision::StageStopwatch::Clock clock) noexcept { observer_.time_stages(clock); }
-  const vision::StageStopwatch& stages() const { return observer_.stages(); }  ///< of the last frame that was looked at
+  const vision::StageStopwatch& stages() const { return observer_.stages(); }  ///< of the last frame that was used
 
-  /// What it remembers, bit for bit, apart from its configuration: another one of the same configuration that is given
-  /// this goes on exactly as this one would. For recordings that are replayed from their middle; no copy of the object,
-  /// because the vision have none.
+  /// Its state, bit for bit, apart from its configuration: another one of the same configuration that is restored
+  /// from this continues exactly as this one would. For recordings that are replayed from their middle; not a copy of
+  /// the object, because the vision cannot be copied.
   CoordinatorMemory memory() const;
-  /// False, and nothing changes, if that is no memory of this program.
+  /// False, and nothing changes, if that is no state of this program.
   bool set_memory(const CoordinatorMemory& memory);
 
   std::int64_t clock_epochs() const { return timeline_.epochs(); }  ///< how often the source's clock was set
@@ -152,8 +152,8 @@ class Coordinator {
   StepResult step_latest(std::int64_t utime, const vision::ObservationResult& sight, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
   StampVerdict classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
-  void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: forget the motion so far
-  void begin_epoch() noexcept;                   ///< nothing that was seen or driven so far relates to the new stamps
+  void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: resets the motion
+  void begin_epoch() noexcept;                   ///< earlier measurements and motion are unrelated to the new stamps
 
   std::int64_t max_age_us_ = 0;
   double stop_distance_m_ = 0.0;

@@ -12,39 +12,39 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// What a frame's stamp is worth.
+/// The check of a frame's stamp.
 struct StampVerdict {
   Reason reason = Reason::none;  ///< none: in order and fresh
-  bool new_epoch = false;        ///< the source's clock was set; nothing that was measured before relates to this stamp
+  bool new_epoch = false;        ///< the source's clock was set; earlier measurements are unrelated to this stamp
   std::int64_t age_us = 0;       ///< known to have passed from the exposure to the arrival, never negative
 };
 
-/// What a stamp is good for: stamps order the frames and give the time between two of them. They never prove
+/// Stamps order the frames and give the time between two of them. They never prove
 /// that a frame is fresh; only its arrival on the monotonic clock can.
 ///
 /// With t the arrival and s the stamp of a frame, t - s is a constant (the two clocks' offset) plus what the frame took
 /// to arrive. Relative to an anchor, the first frame of an *epoch*,
 ///
-///   x = (t - t0) - (s - s0),    least = min x so far,    late = x - least >= 0:   what this frame surely took longer
+///   x = (t - t0) - (s - s0),    least = min x so far,    late = x - least >= 0:   its extra delay, at least
 ///
 /// A frame in order (s later than the last) with x not below -kAhead_us fits the epoch. It is stale if it is late by
 /// more than max_age. Clocks drift, so the anchor follows by kDrift, and least rises by as much.
 ///
-/// A stamp that time itself forbids, backward or of the future, is refused. When kFramesToAgree of them in a row agree
+/// A stamp that goes backward or is in the future is refused. When kFramesToAgree of them in a row agree
 /// with each other and with the monotonic clock, and for kSilence_us no frame has fitted the old epoch, the source's
 /// clock was set: a new epoch begins, from rest. The silence keeps a delayed second path, or a recording that is played
-/// beside the living source, from taking over in a gap. Frames that are merely late never end an epoch: that is a slow
-/// pipeline, and no clock.
+/// beside the live source, from taking over in a gap. Frames that are merely late never end an epoch: that is a slow
+/// pipeline, not a changed clock.
 ///
 /// A frame whose t - s is that of one of the last frames continues the old numbering, whatever its stamp: then no clock
-/// was set, and what was late stays late. So one odd stamp in between does not begin the count.
+/// was set, and what was late stays late. So a single odd stamp does not start a new epoch.
 ///
-/// A known age proves that the stamps are those of a clock of this host, and then it alone says how old a frame is. An
-/// epoch of such a clock never gives way to one of which nothing is known; kConfirmations frames of such a clock within
-/// a second end an epoch of which nothing is known, at once.
+/// A known age proves that the stamps are those of a clock of this host, and then it alone determines a frame's age. An
+/// epoch of such a clock is never replaced by one of unknown ages; kConfirmations frames of such a clock within
+/// a second end an epoch of unknown ages at once.
 ///
-/// The anchor itself may have been late: then quicker frames look as if they were of the future. kQuickFrames of them
-/// within a second are the proof, and the next epoch is anchored on a quick one: all that follows is judged more
+/// The anchor itself may have been late: then quicker frames appear to be in the future. kQuickFrames of them
+/// within a second show this, and the next epoch is anchored on a quick one: later frames are checked more
 /// strictly.
 class FrameTimeline {
  public:
@@ -64,23 +64,23 @@ class FrameTimeline {
             self.confirming_since_);
   }
 
-  static constexpr int kFramesToAgree = 5;                     ///< so many begin a new epoch
-  static constexpr double kAhead_us = 50'000.0;                ///< a stamp so far ahead is of the future
+  static constexpr int kFramesToAgree = 5;                     ///< number that begins a new epoch
+  static constexpr double kAhead_us = 50'000.0;                ///< a stamp further ahead is in the future
   static constexpr double kAgree_us = 25'000.0;                ///< two clocks agree to this
-  static constexpr std::size_t kNumbering = 4;                 ///< frames of the old numbering that are remembered
+  static constexpr std::size_t kNumbering = 4;                 ///< frames of the old numbering that are kept
   static constexpr int kConfirmations = 3;                     ///< known ages that end an unknown epoch
   static constexpr double kRunGap_us = 1'000'000.0;            ///< two frames of a run are not farther apart
   static constexpr double kSilence_us = 1'000'000.0;           ///< of the old epoch, before a new one begins
-  static constexpr int kQuickFrames = 3;                       ///< so many prove that the anchor was late
-  static constexpr double kQuickWithin_us = 1'000'000.0;       ///< in which these must come
+  static constexpr int kQuickFrames = 3;                       ///< number that shows that the anchor was late
+  static constexpr double kQuickWithin_us = 1'000'000.0;       ///< within which these must come
   static constexpr double kQuickAgainAfter_us = 10'000'000.0;  ///< from one such epoch to the next
-  /// A known age beyond this, in either direction, is that of a clock that was never set to ours, or of a recording: it
-  /// is looked at only where an epoch begins.
+  /// A known age beyond this, in either direction, is that of an unsynchronised clock, or of a recording: it
+  /// is considered only where an epoch begins.
   static constexpr double kSharedClock_us = 10'000'000.0;
   static constexpr double kDrift = 1e-3;  ///< of two clocks, of which one may be slewed
 
  private:
-  struct Mark {  // no initialisers: inside this class clang would not know yet that it can be made without arguments
+  struct Mark {  // no initialisers: clang would not accept its default constructor inside this class
     std::int64_t utime;
     MonotonicTime at;
   };
@@ -105,7 +105,7 @@ class FrameTimeline {
   int quick_ = 0;  ///< frames quicker than the anchor allows, since quick_since_
   std::optional<MonotonicTime> quick_since_, quick_epoch_at_;
   bool confirmed_ = false;  ///< this epoch's stamps are those of a clock of this host
-  int confirmations_ = 0;   ///< frames with a known age in an epoch of which nothing is known, since confirming_since_
+  int confirmations_ = 0;   ///< frames with a known age in an epoch of unknown ages, since confirming_since_
   std::optional<MonotonicTime> confirming_since_;
 };
 

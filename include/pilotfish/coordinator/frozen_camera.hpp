@@ -10,10 +10,10 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// Notices a camera that gives the same picture again and again, with new stamps: a sensor's noise makes two pictures
-/// differ even in the dark, unless every pixel is clipped, and then there is no leader to see either.
+/// Detects a camera that repeats the same picture with new stamps: a sensor's noise makes two pictures
+/// differ even in the dark, unless every pixel is clipped, and then no leader is visible either.
 ///
-/// Where pictures differ, as they always do, a sample of 4096 words decides at once; only if the sample is the same as
+/// Where pictures differ, as they nearly always do, a sample of 4096 words suffices; only if the sample is the same as
 /// in the frame before is the whole picture read.
 class FrozenCamera {
  public:
@@ -29,7 +29,7 @@ class FrozenCamera {
   static constexpr std::size_t kPictures = 16;  ///< more than a driver has buffers
   struct Seen {
     std::uint64_t sample = 0, whole = 0;
-    std::uint64_t used = 0, whole_known = 0;  // not bool: no padding, which a checkpoint would see
+    std::uint64_t used = 0, whole_known = 0;  // not bool: padding would end up in a checkpoint
   };
   std::array<Seen, kPictures> seen_{};
   std::size_t next_ = 0;

@@ -17,8 +17,8 @@ struct HeldAnswer {
   Twist command;                      ///< zero unless it is fresh
 };
 
-/// A command that dies by itself: the one of the last measurement, until that is max_age old. A value, so that whoever
-/// sends commands asks a copy of it without waiting for the vision.
+/// A command that expires by itself: the one of the last measurement, until that is max_age old. A value, so that the
+/// sender of commands can use a copy without waiting for the vision.
 struct HeldCommand {
   std::int64_t utime = 0;  ///< of the last frame that was in order [us]
   Twist command;           ///< zero unless something is held
@@ -26,10 +26,10 @@ struct HeldCommand {
   MonotonicTime from, until;   ///< both inclusive; the measurement's arrival, and its exposure plus max_age
   bool holding = false;        ///< false: the wheels rest, whatever the time
   bool run = true;             ///< the setpoint's
-  bool ever_measured = false;  ///< tells lost from searching
+  bool ever_measured = false;  ///< distinguishes lost from searching
 
-  /// The last command while `now` is in [from, until], zeros otherwise; `reason` says what was missing. A clock that
-  /// went backward, and a measurement of the future, move nothing.
+  /// The last command while `now` is in [from, until], zeros otherwise; `reason` is what was missing. A clock that
+  /// went backward, and a measurement in the future, move nothing.
   HeldAnswer at(MonotonicTime now, Reason reason) const noexcept;
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp

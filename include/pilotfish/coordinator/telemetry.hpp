@@ -21,19 +21,19 @@ struct StepTiming {
   bool from_exposure = false;     ///< that one; else from the arrival
 };
 
-/// What the rows of core/telemetry.hpp call by name; null where this frame has none.
+/// The names used in the rows of core/telemetry.hpp; null where this frame has none.
 struct TelemetrySources {
   const StepResult* step;                 ///< always there
   const Observation* seen;                ///< the leader, if it was measured
   const control::FollowerOutput* output;  ///< if the law ran
-  const control::VelocityCommand* law;    ///< what the fuzzy law said then
+  const control::VelocityCommand* law;    ///< the fuzzy law's answer
   const control::LeaderMotion* leader;    ///< if the leader's motion is known
-  const StepTiming* timing;               ///< if somebody measured
+  const StepTiming* timing;               ///< if it was measured
 };
-/// They last as long as what they are of.
+/// Valid as long as the arguments.
 TelemetrySources telemetry_sources(const StepResult& step, const StepTiming* timing) noexcept;
 
-/// Of a field: nothing, a number, a text (that of an enumeration; lasts for ever), or a list with one element a tag.
+/// Of a field: nothing, a number, a text (that of an enumeration; static), or a list with one element a tag.
 using TelemetryValue =
     std::variant<std::monostate, bool, std::int64_t, double, std::string_view, std::vector<std::int64_t>,
                  std::vector<double>, std::vector<std::array<std::array<double, 2>, 4>>>;

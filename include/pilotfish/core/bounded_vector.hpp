@@ -10,8 +10,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// A list of at most N values that lives where it is declared: what goes through the control loop with every frame must
-/// not ask for memory. (Decision 0012 says why not Boost's.)
+/// A list of at most N values, stored in place: what passes through the control loop with every frame must
+/// not allocate. (Decision 0012 says why not Boost's.)
 template <class T, std::size_t N>
 class BoundedVector {
  public:
@@ -21,12 +21,12 @@ class BoundedVector {
   bool full() const { return size_ == N; }               ///< no room for another
   void clear() { size_ = 0; }                            ///< removes all
 
-  /// Beyond N nothing is added. Callers bound what they put in; the control loop does not throw.
+  /// Beyond N nothing is added: callers bound their input, since the control loop does not throw.
   void push_back(T value) noexcept {
     if (!full()) values_[size_++] = std::move(value);
   }
 
-  /// The oldest of a list by time goes, the others move up.
+  /// Removes the first, which is the oldest of a list by time.
   void pop_front() noexcept {
     if (empty()) return;
     std::move(begin() + 1, end(), begin());

@@ -28,7 +28,7 @@ struct CameraModel {
 
   /// False for a pure pinhole.
   bool has_distortion() const { return k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0 || k3 != 0.0; }
-  /// Throws ConfigError ("camera.fx: ...") on sizes or intrinsics that no camera has.
+  /// Throws ConfigError ("camera.fx: ...") on invalid sizes or intrinsics.
   void validate() const;
 };
 

@@ -16,14 +16,14 @@ namespace pilotfish {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// What an object remembers, as bytes and back, bit for bit: so that a recording can be replayed from its middle. A
-/// class lists its own memory once, for both ways:
+/// An object's state, as bytes and back, bit for bit: so that a recording can be replayed from its middle. A
+/// class lists its state once, for both directions:
 ///
 ///   template <class Self, class Archive>
 ///   static void remember(Self& self, Archive& archive) { archive(self.started_, self.utime_); }
 ///
-/// Configuration is not memory. The bytes are for the very program that wrote them; they have no version and no order
-/// of bytes of their own.
+/// Configuration is not part of it. The bytes are only for the same build of the program; they have no version and no
+/// byte order of their own.
 class CheckpointWriter {
  public:
   static constexpr bool kReads = false;  ///< it writes
@@ -42,7 +42,7 @@ class CheckpointWriter {
   Bytes& bytes_;
 };
 
-/// After more is asked for than there is, or a count is too large, nothing is read any more.
+/// After a read beyond the end, or a count that is too large, nothing more is read.
 class CheckpointReader {
  public:
   static constexpr bool kReads = true;  ///< it reads
@@ -51,14 +51,14 @@ class CheckpointReader {
   /// Reads values in the order in which they were written.
   template <class... T>
   void operator()(T&... values);
-  /// Not inlined: GCC 12 else takes the part of it that is never reached for a write behind an array's end.
+  /// Not inlined: otherwise GCC 12 warns of a write behind an array's end in a branch that is never reached.
   [[gnu::noinline]] void raw(void* data, std::size_t size) {
     if (size > left_) return fail();
     std::memcpy(data, next_, size);
     next_ += size;
     left_ -= size;
   }
-  void fail() { left_ = 0, sound_ = false; }              ///< what was read cannot be right
+  void fail() { left_ = 0, sound_ = false; }              ///< marks what was read as invalid
   bool read_all() const { return sound_ && left_ == 0; }  ///< no byte is missing or left
 
  private:

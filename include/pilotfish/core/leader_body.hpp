@@ -34,8 +34,8 @@ Eigen::Isometry3d body_from_tag(const BodyTag& tag);
 /// top right, top left, as one reads the tag.
 std::array<Eigen::Vector3d, 4> corners_on_body(const BodyTag& tag);
 
-/// How many tags a body may wear: enough for two on each of six faces. What goes through the control loop has room for
-/// so many and asks for no memory.
+/// The most tags a body may have: enough for two on each of six faces. The control loop's arrays are of this
+/// size, so that it never allocates.
 inline constexpr std::size_t kMaxTagsOnBody = 12;
 
 /// A leader: the tags it wears and where. The poses of all of them refer to its base origin, between the wheels.

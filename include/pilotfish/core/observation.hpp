@@ -34,14 +34,14 @@ RelativePose relative_pose(const Eigen::Isometry3d& bMo);
 
 /// How the leader's tags were found in a frame.
 enum class FoundBy : std::uint8_t {
-  track,   ///< where the motion so far said they would be
+  track,   ///< at the place predicted from the motion so far
   region,  ///< by a detection around that place
   frame,   ///< by a detection in the whole frame
 };
 
 std::string_view to_string(FoundBy found_by) noexcept;
 
-/// What one frame says by itself, with the planar solution that the headings so far speak for.
+/// The measurement of one frame alone, with the planar solution that the headings so far favour.
 struct RelativeMeasurement {
   RelativePose pose;                                     ///< distance, bearing and heading
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (distance_m, bearing_rad, heading_rad)
@@ -54,7 +54,7 @@ struct RelativeMeasurement {
 /// The leader, measured in one frame. It exists only if every check passed.
 struct Observation {
   std::int64_t utime = 0;  ///< exposure of the frame [us]
-  /// The heading comes from a filter over the frames, which decides between the two planar solutions; distance and
+  /// The heading comes from a filter over the frames, which selects one of the two planar solutions; distance and
   /// bearing are this frame's, as far as they depend on the heading with the filter's (the base origin lies behind the
   /// tag).
   double distance_m = 0.0;
@@ -62,12 +62,12 @@ struct Observation {
   double heading_rad = 0.0;  ///< psi, the leader's heading relative to the coordinator's, filtered
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the three above
   RelativeMeasurement measured;    ///< of this frame alone: what a filter of your own should be fed
-  double heading_ambiguity = 0.0;  ///< how much the headings so far speak for another one than heading_rad, 0 to 1
+  double heading_ambiguity = 0.0;  ///< probability, from the headings so far, of another one than heading_rad
 
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame, of this frame alone
   std::optional<Eigen::Isometry3d> other_cMo;             ///< the other planar solution, if there is one
   /// Error of the worse planar solution over the better one's, in standard deviations of the corners (>= 1). Near 1 the
-  /// heading cannot be told from one picture; kMaxAmbiguityRatio where there is no second solution.
+  /// heading is undetermined by one picture; kMaxAmbiguityRatio where there is no second solution.
   double ambiguity_ratio = 1.0;
   double reprojection_error_px = 0.0;                ///< RMS over all corners used
   double min_decision_margin = 0.0;                  ///< of the tags used

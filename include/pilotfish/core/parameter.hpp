@@ -90,7 +90,7 @@ void check_ranges(const Config& config, std::string_view section) {
 
 namespace parameter_detail {
 
-/// Tells the parameters of a struct apart: by the line each stands in.
+/// Identifies a parameter of a struct by the line it stands in.
 template <int Line>
 struct At {};
 

@@ -8,8 +8,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// No robot that follows or is followed indoors is faster, in either direction: what claims to be was damaged, forged
-/// or written in other units. The one bound for every twist that comes from somewhere else; limits of this robot are
+/// No robot that follows or is followed indoors is faster, in either direction: a greater twist was damaged, forged
+/// or written in other units. The one bound for every twist received from outside; limits of this robot are
 /// configuration.
 inline constexpr Twist kMaxPlausibleTwist{10.0, 50.0};
 

@@ -10,7 +10,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// The content of a file, or why it was not read and what is wanted instead.
+/// The content of a file, or why it was not read and what is expected instead.
 struct FileRead {
   std::optional<std::string> bytes;  ///< nothing if it was not read
   std::string problem;               ///< empty if there are bytes

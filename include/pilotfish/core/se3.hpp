@@ -12,7 +12,7 @@ namespace pilotfish {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Rigid motions as exponentials of what drives them. An element of se(3) is (v, w): translational and rotational
+/// Rigid motions as exponentials of twists. An element of se(3) is (v, w): translational and rotational
 /// velocity [m, rad per unit of time], in that order; its exponential is the motion after one unit of time. As it acts
 /// from the left here, v and w are given in the frame that the motion leads to: cMo(t) = exp(t (v, w)) cMo(0) for an
 /// object that moves by (v, w) in the camera's frame.

@@ -9,24 +9,24 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// What a SequenceGuard says of a message.
+/// The result of a SequenceGuard's check of a message.
 enum class SequenceVerdict { accepted, wrong_session, not_rising };
 
 std::string_view to_string(SequenceVerdict verdict) noexcept;
 
-/// Tells the messages of one living sender from everybody else's and from recordings: a session is a number drawn at
-/// random, and within it counters only rise. A session of 0 is nobody's: nothing is accepted.
+/// Distinguishes the messages of one live sender from those of others and from recordings: a session is a number drawn
+/// at random, and within it counters only rise. Session 0 stands for none: nothing is accepted.
 ///
-/// Without a key both numbers can be read off the bus and forged; what this keeps away are mistakes (a log that is
-/// played back, a second sender, a datagram that comes twice). With a key (bus::Key) it keeps replays away.
+/// Without a key both numbers can be read from the bus and forged; this protects only against mistakes (a log that is
+/// played back, a second sender, a datagram that arrives twice). With a key (bus::Key) it rejects every replay.
 class SequenceGuard {
  public:
-  /// 0: nobody's, nothing is accepted.
+  /// 0: none, nothing is accepted.
   explicit SequenceGuard(std::int64_t session = 0) : session_(session) {}
 
-  /// A refused message changes nothing: it cannot push the counter up for others.
+  /// A refused message changes nothing: it cannot raise the counter for others.
   SequenceVerdict accept(std::int64_t session, std::int64_t counter) noexcept;
-  /// What accept() would say.
+  /// What accept() would return.
   SequenceVerdict check(std::int64_t session, std::int64_t counter) const noexcept;
 
   std::int64_t session() const { return session_; }            ///< whose messages are accepted
@@ -37,28 +37,27 @@ class SequenceGuard {
   std::int64_t last_counter_ = 0;
 };
 
-/// What a SetpointGate says of a message.
+/// The result of a SetpointGate's check of a message.
 enum class SetpointVerdict { accepted, stopped, wrong_session, replayed, too_near, out_of_bounds };
 
 /// As the refusals are counted: "setpoint_wrong_session", "setpoint_replayed", ...
 std::string_view to_string(SetpointVerdict verdict) noexcept;
 
-/// What a SetpointGate makes of a message.
+/// The check's result and the setpoint that follows from it.
 struct SetpointDecision {
-  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;  ///< what the gate says of the message
+  SetpointVerdict verdict = SetpointVerdict::out_of_bounds;  ///< the result of the check
   Setpoint setpoint;                                         ///< to be kept from now on
 };
 
-/// Who may tell a coordinator what to keep.
+/// Decides which messages may change what a coordinator keeps.
 ///
-///   - A stop (run = false) is accepted from anyone, always, and it is latched: only an accepted message with run =
-///   true
-///     ends it.
-///   - Everything else must name the session, rise above every counter accepted before, and keep a distance of at least
-///     stop_distance_m, within the bounds of a Setpoint.
-///   - A stop moves the target and raises the counter only if it would have been accepted with run = true: a forged
-///   stop
-///     stops, and nothing else. So a recording made before a genuine stop cannot be played after it.
+///   - A stop (run = false) is accepted from anyone, always, and it is latched: only an accepted message with
+///     run = true ends it.
+///   - Everything else must name the session, rise above every counter accepted before, and keep a distance of at
+///     least stop_distance_m, within the bounds of a Setpoint.
+///   - A stop changes the setpoint and the counter only if it would have been accepted with run = true: a forged
+///     stop stops the robot and does nothing else. So a recording made before a genuine stop cannot be replayed after
+///     it.
 ///
 /// A message's MAC, where a key is configured, has been checked before (bus::Bus); a stop with a wrong one arrives here
 /// with session 0.

@@ -15,19 +15,20 @@ enum class Status {
   tracking,       ///< the leader was measured in this very frame and the law drives
   coasting,       ///< not measured in this frame; the last command is held, for 100 ms at most
   lost,           ///< was tracked, has not been measured for longer than that: v = w = 0
-  stopped,        ///< told to stand still by the setpoint: v = w = 0
+  stopped,        ///< stopped by the setpoint: v = w = 0
   invalid_input,  ///< the frame cannot be used (size, format, time): v = w = 0 once coasting has run out
 };
 
-/// What a reason says about the frame it is about.
+/// What a reason refers to.
 enum class ReasonKind {
-  sight,  ///< the picture, or nobody's picture, was looked at: coasting, lost or searching
+  sight,  ///< the picture, or its absence: coasting, lost or searching
   input,  ///< the frame, or the program, cannot be used: Status::invalid_input
 };
 
 // clang-format off
-/// The one list of reasons, X(name, kind, text): the enumeration, the text that is logged and published, the statuses, the
-/// checks of what comes in and Python are made from it. The numbers are on the wire and in recordings: new ones go to the end.
+/// The one list of reasons, X(name, kind, text): the enumeration, the text that is logged and published, the statuses,
+/// the checks of what comes in and Python are made from it. The numbers are on the wire and in recordings: new ones go
+/// to the end.
 #define PILOTFISH_REASONS(X)                                                                                          \
   X(none, sight, "")                                                                                                  \
   X(no_tag_found, sight, "no tag in the picture")                                                                     \
@@ -42,7 +43,7 @@ enum class ReasonKind {
   X(frame_stride_invalid, input, "the frame's stride is shorter than a row")                                          \
   X(frame_time_not_advancing, input, "the frame is not later than the one before")                                    \
   X(frame_stale, input, "the frame was too old when it arrived")                                                      \
-  X(stop_requested, sight, "told to stop")                                                                            \
+  X(stop_requested, sight, "stop requested")                                                                          \
   X(law_not_finite, sight, "the law's output was not finite")                                                         \
   X(tag_duplicate, sight, "a tag of the leader is seen twice")                                                        \
   X(tag_outside_frame, sight, "a tag of the leader is partly outside the picture")                                    \
@@ -64,11 +65,11 @@ enum class Reason {
 #undef PILOTFISH_REASON
 };
 
-/// What there is to say about a reason.
+/// A reason's description.
 struct ReasonDescription {
   Reason reason;          ///< which one
   std::string_view name;  ///< the enumerator's; ends with a zero
-  ReasonKind kind;        ///< what it says about the frame
+  ReasonKind kind;        ///< what it refers to
   std::string_view text;  ///< a short sentence for people; ends with a zero
 };
 

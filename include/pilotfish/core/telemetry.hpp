@@ -4,13 +4,13 @@
 // reader and writer, bus::StatusReport, both Python interfaces and the API reference are made from these rows; beside a
 // row of PILOTFISH_STATUS_FIELDS there is only the field in lcmtypes/pilotfish_status_t.lcm, and a test compares them.
 //
-// A row does not say what it needs to compile: its value is an expression that only those evaluate who can see what is
-// in it (coordinator/telemetry.hpp says which names there are), so that the bus, which knows no coordinator, can read
+// A row's value is an expression that is compiled only where the names in it are declared
+// (coordinator/telemetry.hpp lists them), so that the bus, which does not depend on the coordinator, can use
 // the rest.
 
 // clang-format off
-/// What a JSON line says and observation_t and command_t carry in their own way: X(name, unit, source, value, text).
-/// source: a pointer; while it is null there is no value.
+/// The fields of a JSON line that observation_t and command_t carry in their own form: X(name, unit, source, value,
+/// text). source: a pointer; while it is null there is no value.
 #define PILOTFISH_FRAME_FIELDS(X)                                                                                     \
   X(utime, "us", step, step->utime, "exposure of the frame")                                                          \
   X(status, "", step, step->status, "what the coordinator is doing")                                                  \
@@ -29,12 +29,13 @@
   X(decision_margins, "gray levels", step, decision_margins(seen), "one a tag")                                       \
   X(corners_px, "px", step, corners_px(seen),                                                                         \
     "(tags, 4, 2): bottom left, bottom right, top right, top left of each, as one reads it")                          \
-  X(linear_mps, "m/s", step, step->command.linear_mps, "forward speed that the wheels are told")                      \
-  X(angular_radps, "rad/s", step, step->command.angular_radps, "turn rate that the wheels are told, positive: to the left")
+  X(linear_mps, "m/s", step, step->command.linear_mps, "forward speed of the command")                                \
+  X(angular_radps, "rad/s", step, step->command.angular_radps, "turn rate of the command, positive: to the left")
 
-/// The numbers of pilotfish.status_t, in its order, between its text and its lists (the setpoint, which is a value of its own,
-/// stands among them there). FRAME(type, name, unit, source, value, text): of a frame, a JSON line has it, too.
-/// LOOP(type, name, unit, value, text): of the program. type: on the wire; std::int8_t is an enumeration, text in JSON.
+/// The numbers of pilotfish.status_t, in its order, between its text and its lists (the setpoint, which is a value of
+/// its own, stands among them there). FRAME(type, name, unit, source, value, text): of a frame, a JSON line has it,
+/// too. LOOP(type, name, unit, value, text): of the program. type: on the wire; std::int8_t is an enumeration, text in
+/// JSON.
 #define PILOTFISH_STATUS_FIELDS(FRAME, LOOP)                                                                          \
   FRAME(double, error_m, "m", law, law->error_m, "e = d_p - d, wanted minus measured distance, positive: too close")  \
   FRAME(double, error_change_m, "m", law, law->error_change_m, "ec: change of e over one control period")             \

@@ -22,8 +22,8 @@ Moments clipped_union_moments(const LinguisticVariable& output, const double* te
 
 /// The same moments the way inference computes them: if the terms are triangles and trapezoids in order on the axis (no
 /// corner of a term is left of the same corner of the term before), they are sums of polynomials in the term_strengths,
-/// and no knee is looked for; see src/fuzzy/layers.hpp. Nothing otherwise. Prepares the polynomials anew: for tests and
-/// people.
+/// and no breakpoint is computed; see src/fuzzy/layers.hpp. Nothing otherwise. Prepares the polynomials at every call:
+/// for tests and inspection.
 std::optional<Moments> ordered_union_moments(const LinguisticVariable& output, const double* term_strengths);
 
 }  // namespace pilotfish::fuzzy

@@ -17,7 +17,7 @@ struct FiringRule {
   std::string text;       ///< the rule and its strength in words
 };
 
-/// One inference with all that led to it, for people; infer() is for the control loop.
+/// One inference with its intermediate results, for inspection; infer() is for the control loop.
 struct Explanation {
   Inference inference;                         ///< output and all 56 strengths
   std::vector<FiringRule> firing;              ///< strength above zero, strongest first

@@ -18,9 +18,9 @@ struct InputWidths {
   WidthShape shape = WidthShape::triangle;  ///< WidthShape of both
 };
 
-/// How far A', of a width >= 0 around x, is possibly in a term: sup_t min(mu_A'(t), mu_A(t)) over the universe of
-/// `variable`. That is what eq. (6) asks of one input: the sup of minima over e and ec separates into one for each. It
-/// tends to membership(term, x) as the width goes to 0, and is that for 0. x inside the universe.
+/// The degree of possibility of A', of a width >= 0 around x, in a term: sup_t min(mu_A'(t), mu_A(t)) over the universe
+/// of `variable`. That is eq. (6) for one input: the sup of minima over e and ec separates into one for each. It tends
+/// to membership(term, x) as the width goes to 0, and is that for 0. x inside the universe.
 double possibility(const LinguisticVariable& variable, const MembershipFunction& term, double x, double width,
                    WidthShape shape) noexcept;
 

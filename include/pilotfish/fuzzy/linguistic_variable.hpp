@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxTerms = 16;
 
 /// A linguistic term: a label such as "NB" (negative big) and its fuzzy set.
 struct Term {
-  std::string label;       ///< the word for it, e.g. NS
+  std::string label;       ///< its name, e.g. NS
   MembershipFunction set;  ///< Triangle, Trapezoid or Gaussian
 };
 
@@ -30,12 +30,12 @@ struct LinguisticVariable {
 
   /// The value the controller works with: inputs outside the universe saturate at its ends; NaN stays NaN.
   double saturate(double x) const noexcept { return x < min ? min : (x > max ? max : x); }
-  /// Index of a label; throws std::invalid_argument listing the labels there are:
+  /// Index of a label; throws std::invalid_argument listing the existing labels:
   /// "'XX' is not a term of U; terms: NB, NM, NS, ZE, PS, PM, PB".
   std::size_t index_of(const std::string& label) const;
 };
 
-/// What cannot be validated, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
+/// A controller that fails validation, and where: `where` is the place in the file ("E.terms.NB", "rules.NB.PS").
 class ValidationError : public std::invalid_argument {
  public:
   /// `where`: the variable, term or cell at fault.

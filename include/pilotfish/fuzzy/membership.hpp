@@ -35,7 +35,7 @@ double membership(const Gaussian& set, double x) noexcept;
 double membership(const MembershipFunction& set, double x) noexcept;
 
 /// The level cut {x : mu(x) >= level}, a closed interval; level in (0, 1]. Every set here is convex, so the
-/// cut is one interval, and its ends are where clipping at `level` puts a knee.
+/// cut is one interval, and its ends are the breakpoints of the set clipped at `level`.
 std::array<double, 2> level_cut(const MembershipFunction& set, double level) noexcept;
 
 /// Closed interval outside of which the degree is zero (infinite for Gaussians and open shoulders).

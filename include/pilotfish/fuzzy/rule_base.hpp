@@ -13,7 +13,7 @@ namespace pilotfish::fuzzy {
 
 /// A complete table of rules "IF E is row AND EC is column THEN U is cell" (the paper's Table I), stored row by row.
 /// Here it is 8 x 7, no other: status_t carries 56 firing strengths, Inference and the plan are arrays of that size, so
-/// validate() refuses a table of another size. `rows` and `columns` say what a file holds, for that very message.
+/// validate() refuses a table of another size. `rows` and `columns` are those of the file, for that error message.
 struct RuleBase {
   std::size_t rows = 0;                  ///< number of terms of E
   std::size_t columns = 0;               ///< number of terms of EC
@@ -31,14 +31,14 @@ inline constexpr std::size_t kPaperRules = kPaperRows * kPaperColumns;
 
 struct Plan;  // src/fuzzy/plan.hpp
 
-/// A two-input Mamdani controller as plain data: what data/fuzzy/*.yaml says.
+/// A two-input Mamdani controller as plain data: the content of data/fuzzy/*.yaml.
 struct Controller {
   std::string name;                 ///< name of the controller, for people
   LinguisticVariable error;         ///< E, of the normalised distance error
   LinguisticVariable error_change;  ///< EC, of its normalised change per control period
   LinguisticVariable output;        ///< U, of the normalised velocity
   RuleBase rules;                   ///< the paper's Table I by default
-  /// What inference works with, made by validate() from the data above: whoever changes them validates again.
+  /// Precomputed for inference by validate() from the data above: validate again after changing them.
   std::shared_ptr<const Plan> plan = nullptr;
 };
 

@@ -15,22 +15,22 @@ namespace pilotfish::jpeg {
 /// about one gray level.
 inline constexpr int kQuality = 95;
 
-/// What a picture must measure.
+/// The required size of a picture.
 struct Size {
   int width = 0;   ///< [px]
   int height = 0;  ///< [px]
 };
 
-/// The picture as one baseline JPEG; empty if it cannot be encoded, as what check() refuses.
+/// The picture as one baseline JPEG; empty if it cannot be encoded, for example because check() refuses it.
 std::vector<std::uint8_t> encode(const ImageView& image);
 
-/// What the header claims, before anything is allocated or decoded; nothing if there is no sound header, or if a side
-/// is beyond kMaxFrameSide, or if so few bytes cannot hold so many pixels (a bomb, or cut off).
+/// The header's sizes, before anything is allocated or decoded; nothing if there is no valid header, or if a side
+/// is beyond kMaxFrameSide, or if there are too few bytes for so many pixels (a decompression bomb, or truncated).
 std::optional<Size> claimed_size(const std::uint8_t* data, std::size_t size_bytes);
 
 /// Gray pixels (stride = width) of a JPEG, gray or colour: the luma as it was coded, so the very bits that OpenCV and
-/// libjpeg give in gray. Nothing if it is damaged, cut off, CMYK, or not of exactly this size: a decoder left to itself
-/// fills what is missing with gray, and a tag of the last picture's lower half is no measurement.
+/// libjpeg give in gray. Nothing if it is damaged, cut off, CMYK, or not of exactly this size: by default a decoder
+/// fills missing parts with gray or leaves the last picture's pixels, and a tag in those is no measurement.
 std::optional<std::vector<std::uint8_t>> decode(const std::uint8_t* data, std::size_t size_bytes, Size size);
 
 }  // namespace pilotfish::jpeg

@@ -10,10 +10,10 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
-/// The answer to one exposure, as the recording tells it.
+/// The answer to one exposure, as recorded.
 struct Answer {
-  Twist command;          ///< the answer to this exposure; if there is none, what the robot will be obeying then
-  std::string status;     ///< what its coordinator called itself; empty before the first answer
+  Twist command;          ///< the answer to this exposure; if there is none, the command in effect then
+  std::string status;     ///< its coordinator's status; empty before the first answer
   bool delivered = true;  ///< false: the camera dropped this frame
 };
 

@@ -12,7 +12,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
-/// What lies between an ideal picture and the one a camera delivers.
+/// The differences between an ideal picture and a camera's.
 struct Imperfections {
   PILOTFISH_PARAMETERS(Imperfections);
   PILOTFISH_PARAMETER(double, blur_sigma_px, 0.7, 0.0, 20.0, "of the lens's Gaussian blur; 0: sharp");
@@ -31,7 +31,7 @@ struct VisibleBody {
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< base frame to camera frame
 };
 
-/// All that a camera sees at one instant.
+/// A camera's view at one instant.
 struct View {
   std::vector<VisibleBody> bodies;  ///< what is in front of the camera
   double camera_heading_rad = 0.0;  ///< of the robot that carries it: the background turns with it
@@ -49,7 +49,7 @@ struct View {
 ///
 /// The background is a wall and a floor full of edges on a cylinder infinitely far away: it turns with the
 /// camera and does not come nearer. Same camera, views and seeds: same bytes. The random numbers are our own
-/// (no std distribution, whose results compilers are free to choose); blur and shapes of the clutter are
+/// (no std distribution, whose results depend on the library); blur and shapes of the clutter are
 /// OpenCV's integer code.
 class Renderer {
  public:

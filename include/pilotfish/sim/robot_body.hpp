@@ -11,7 +11,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
-/// What a robot looks like: a box, and tags that hang on it or beside it. Grays are in [0, 255].
+/// A robot's appearance: a box, and tags on it or beside it. Grays are in [0, 255].
 struct RobotBody {
   LeaderBody leader{"", "tag36h11", {}};  ///< may be without tags
   PILOTFISH_PARAMETERS(RobotBody);

@@ -19,11 +19,11 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
-/// When nobody can see a robot: for scenes in which the leader vanishes, or is covered for a while.
+/// When a robot is invisible: for scenes in which the leader disappears, or is covered for a while.
 struct Visibility {
   PILOTFISH_PARAMETERS(Visibility);
-  PILOTFISH_PARAMETER(double, hidden_from_s, kNever_s, 0.0, kNever_s, "from then on nobody sees it");
-  PILOTFISH_PARAMETER(double, hidden_until_s, kNever_s, 0.0, kNever_s, "from then on it is seen again");
+  PILOTFISH_PARAMETER(double, hidden_from_s, kNever_s, 0.0, kNever_s, "from then on it is invisible");
+  PILOTFISH_PARAMETER(double, hidden_until_s, kNever_s, 0.0, kNever_s, "from then on it is visible again");
   /// False while it is hidden.
   bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
 };
@@ -39,26 +39,26 @@ struct CameraSpec {
   PILOTFISH_PARAMETER(double, drop_probability, 0.0, 0.0, 1.0, "of a picture never being delivered");
 };
 
-/// One robot of the world. What it does is one of three: it drives a trajectory, it follows another robot by
-/// sight, or, with neither, it obeys whoever sends it commands.
+/// One robot of the world. It does one of three: it drives a trajectory, it follows another robot by
+/// vision, or, with neither, it executes the commands that it receives.
 struct RobotSpec {
   std::string name;                        ///< name of the robot: its channels and its noise come from it
   Pose2 start;                             ///< Pose2 at time 0 in the world frame
-  std::optional<Trajectory> trajectory;    ///< it follows somebody or obeys commands
-  std::string follows;                     ///< name of the robot its camera is there for; empty if none
-  DriveConfig drive;                       ///< what its wheels can do
-  std::optional<RobotBody> body;           ///< what others see of it; nothing if it has none
-  Visibility visibility;                   ///< when nobody can see it
+  std::optional<Trajectory> trajectory;    ///< otherwise it follows another or executes commands
+  std::string follows;                     ///< name of the robot it follows; empty if none
+  DriveConfig drive;                       ///< limits of its drive
+  std::optional<RobotBody> body;           ///< its appearance; nothing if it has none
+  Visibility visibility;                   ///< when it is visible
   std::optional<CameraSpec> camera;        ///< CameraSpec, or nothing if it has no camera
   std::filesystem::path coordinator_file;  ///< configuration of the coordinator that drives it; not read here
-  std::optional<Setpoint> setpoint;        ///< what that coordinator is to be told, if not what its file says
+  std::optional<Setpoint> setpoint;        ///< for that coordinator, in place of its file's
 };
 
-/// A world to play: robots, time, seed. See data/scenarios/.
+/// A world to simulate: robots, time, seed. See data/scenarios/.
 struct Scenario {
   PILOTFISH_PARAMETERS(Scenario);
   PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, name, {}, "one word, for file names");
-  PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, description, {}, "what there is to see");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(std::string, description, {}, "for display");
   PILOTFISH_PARAMETER(double, duration_s, 20.0, 0.01, 1e5, "of the run");
   PILOTFISH_PARAMETER(double, frame_rate_hz, 30.0, 1.0, 1000.0, "of all cameras; they expose together");
   PILOTFISH_PARAMETER(int, seed, 1, 0, 2147483647, "of noise, clutter and dropped frames");
@@ -66,7 +66,7 @@ struct Scenario {
 
   const RobotSpec* find(const std::string& robot) const;  ///< nullptr if there is none of that name
   int frame_count() const;                                ///< exposures at k / frame_rate_hz, k = 0, 1, ... < duration
-  /// Throws ConfigError ("robots[1].follows: ..."): names, who follows whom, what that needs, ranges.
+  /// Throws ConfigError ("robots[1].follows: ..."): names, what follows what, what that needs, ranges.
   void validate() const;
 };
 

@@ -10,8 +10,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
-/// A predetermined trajectory. Robots that have one are on rails: their pose at any time is the formula's,
-/// exactly, so that the truth in a report is the scenario's own. It starts where the robot starts and in the
+/// A predetermined trajectory. The pose of a robot that has one is at any time exactly the formula's,
+/// so that the truth in a report is the scenario's own. It starts where the robot starts and in the
 /// direction it faces.
 
 inline constexpr double kNever_s = 1e9;

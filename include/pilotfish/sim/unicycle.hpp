@@ -10,13 +10,13 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::sim {
 
-/// Where a robot is and how fast it really moves.
+/// A robot's pose and real twist.
 struct UnicycleState {
   Pose2 pose;   ///< Pose2 of the base in the world frame
-  Twist twist;  ///< Twist that the wheels really do, in the base frame
+  Twist twist;  ///< the real Twist, in the base frame
 };
 
-/// What a drive can do, and how late it does it.
+/// A drive's limits and delays.
 struct DriveConfig {
   PILOTFISH_PARAMETERS(DriveConfig);
   PILOTFISH_PARAMETER(double, max_linear_mps, 0.6, 0.0, 20.0, "top speed, forwards and backwards");
@@ -45,7 +45,7 @@ class Unicycle {
 
   const UnicycleState& state() const { return state_; }  ///< pose and real twist
   const Twist& set_value() const { return set_value_; }  ///< the driver's ramp
-  /// Obeys one constant command for duration_s (>= 0).
+  /// Executes one constant command for duration_s (>= 0).
   void advance(const Twist& command, double duration_s);
 
  private:

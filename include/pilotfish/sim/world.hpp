@@ -21,8 +21,8 @@ namespace pilotfish::sim {
 inline constexpr std::int64_t kStartUtime = 1'000'000;
 
 /// The world of a scenario. It has no clock: it is advanced. It has no hidden randomness: noise, clutter and
-/// dropped frames are functions of (seed, name of the robot, number of the frame), so what one robot sees
-/// does not depend on who else is looking. The same commands give the same bytes.
+/// dropped frames are functions of (seed, name of the robot, number of the frame), so one robot's pictures
+/// do not depend on the other cameras. The same commands give the same bytes.
 ///
 /// A robot's name that the scenario does not have is a std::out_of_range: a mistake of the caller, not of the run.
 class World {
@@ -32,21 +32,21 @@ class World {
   World(const World&) = delete;
   World(World&&) = default;  ///< not copied: it is large
 
-  const Scenario& scenario() const { return scenario_; }  ///< what it plays
+  const Scenario& scenario() const { return scenario_; }  ///< the scenario
   double time_s() const { return time_s_; }               ///< 0 at the start
   std::int64_t utime() const;                             ///< the same on the frames' clock [us]
   /// Number of the exposure that belongs to the present time: round(time * rate).
   std::int64_t frame_index() const;
 
-  /// From effective_time_s on the robot is told this, until something newer takes effect. A time in the past
+  /// From effective_time_s on this is the robot's command, until a newer one takes effect. A time in the past
   /// means now. Refused (false): a twist or time that is not finite, or a robot that drives a trajectory.
   bool command(const std::string& robot, const Twist& twist, double effective_time_s);
-  /// Moves everybody on. A time in the past changes nothing.
+  /// Advances all robots. A time in the past changes nothing.
   void advance_to(double time_s);
 
-  /// Where a robot is now, and how fast.
+  /// A robot's pose and twist now.
   UnicycleState state(const std::string& robot) const;
-  /// The command that acts at a time that is not in the past, if no other comes before.
+  /// The command in effect at a time that is not in the past, if no other arrives before.
   Twist command_in_effect(const std::string& robot, double time_s) const;
 
   /// Of the robot that `robot` follows, at this instant: its base in the camera's frame, and its distance,
@@ -55,7 +55,7 @@ class World {
   /// The same as distance, bearing and heading.
   RelativePose true_relative_pose(const std::string& robot) const;
 
-  /// What the robot's camera takes now; nothing if the scenario's seed drops this frame.
+  /// The robot's camera picture now; nothing if the scenario's seed drops this frame.
   std::optional<Frame> capture(const std::string& robot) const;
 
  private:
@@ -67,7 +67,7 @@ class World {
     const RobotSpec* spec = nullptr;
     Unicycle unicycle{DriveConfig{}};
     std::deque<Pending> pending;  ///< by time
-    Pending in_effect;            ///< since when, and what
+    Pending in_effect;            ///< since when, and which
     std::vector<Surface> surfaces;
     std::optional<Renderer> renderer;
   };

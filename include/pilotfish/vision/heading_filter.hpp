@@ -21,24 +21,25 @@ struct HeadingFilterConfig {
                       "time after which evidence for one of the two solutions of a flat tag has faded to 1/e");
 };
 
-/// What one planar solution of one frame says.
+/// One planar solution of one frame.
 struct HeadingCandidate {
   RelativeMeasurement measurement;  ///< distance, bearing, heading
   double squared_error = 0.0;       ///< chi-squared of the corners
 };
 
-/// What the filter makes of the candidates.
+/// The candidate that the filter selects.
 struct FilteredHeading {
   std::size_t candidate = 0;  ///< which of them is accepted
   RelativeMeasurement fused;  ///< that candidate, given the headings before
-  double ambiguity = 0.0;     ///< weight of all that disagrees, 0 to 1
+  double ambiguity = 0.0;     ///< weight of all other hypotheses, 0 to 1
 };
 
-/// A plane seen from afar has two poses that explain a picture about equally well, and near the frontal view - where a
-/// follower lives - which one wins is luck. But only one of them moves like a robot, and what little each picture says
-/// adds up. So the leader's heading is a sum of Gaussians (Alspach and Sorenson, 1972): a few hypotheses of heading and
-/// rate, each a Kalman filter; each frame's candidates, weighed by how well they explain the corners, are offered to
-/// each hypothesis; the unlikely are dropped, the alike merged. A value: copy it to try something out.
+/// A distant plane has two poses that explain a picture about equally well, and near the frontal view, the usual one of
+/// a follower, noise determines which fits better. But only one of them moves like a robot, and the weak evidence of
+/// each picture accumulates. So the leader's heading is a sum of Gaussians (Alspach and Sorenson, 1972): a few
+/// hypotheses of heading and rate, each a Kalman filter; each frame's candidates, weighted by how well they explain the
+/// corners, update each hypothesis; unlikely ones are dropped, similar ones merged. A value: copy it to try something
+/// out.
 class HeadingFilter {
  public:
   explicit HeadingFilter(const HeadingFilterConfig& config) : config_(config) {}  ///< no heading known yet

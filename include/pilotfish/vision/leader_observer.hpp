@@ -20,12 +20,12 @@ namespace pilotfish::vision {
 
 struct SearchRegion;
 
-/// How a leader is looked for and followed.
+/// How a leader is searched for and tracked.
 struct LeaderObserverConfig {
   PILOTFISH_PARAMETERS(LeaderObserverConfig);
   PILOTFISH_PARAMETER(
       double, acquisition_range_m, 5.0, 0.1, 100.0,
-      "a leader that nobody follows yet is looked for up to this distance; farther needs a finer, slower search");
+      "a leader that is not tracked yet is searched for up to this distance; farther needs a finer, slower search");
   TagDetectorConfig detector;   ///< how tags are found
   TagGates gates;               ///< which of them are accepted
   LeaderPoseConfig pose;        ///< which poses are accepted
@@ -49,43 +49,43 @@ struct ObservationResult {
   Reason reason = Reason::none;            ///< Reason.none with an observation, else why there is none
 };
 
-/// The way into this module: Frame in, Observation out.
+/// The entry point of this module: Frame in, Observation out.
 ///
-///     predict --> track each tag where it must be ------------------------+
+///     predict --> track each tag at its prediction -----------------------+
 ///        | nothing                                                       |
 ///        v                                                               +--> one pose --> plausible? --> heading
 ///        filter
 ///     detect in the region, then in the frame --> track each tag there --+
 ///
-/// However a tag was found, it is an observation only after its template was fitted to this very frame and every bit of
-/// it read. Remembers where the leader was (for 0.5 s) and how it was heading; time comes from the frames. One observer
-/// serves one thread. While it tracks it asks for no memory. The stages stand for themselves in TagTracker,
+/// However a tag was found, it is used only after its template was fitted to this very frame and every bit of
+/// it read. Keeps the leader's last motion (for 0.5 s) and its headings; time comes from the frames. One observer
+/// serves one thread. It does not allocate while it tracks. The stages can be used alone: TagTracker,
 /// TagDetector, estimate_leader_pose() and HeadingFilter.
 class LeaderObserver {
  public:
-  /// Throws ConfigError if any part is not usable.
+  /// Throws ConfigError if any part is invalid.
   LeaderObserver(const CameraModel& camera, const CameraMounting& mounting, const LeaderBody& body,
                  const LeaderObserverConfig& config);
 
   /// Never throws. A frame whose size differs from the calibration's is refused, not scaled.
   ObservationResult observe(const Frame& frame) noexcept;
-  /// The same for whoever searches pictures for several observers at once: `found`, what a detector of the same family
-  /// found in this very frame [px of it], takes the place of the search of the whole picture; empty if nobody searched.
+  /// The same for one search that serves several observers: `found`, the detections of a detector of the same family
+  /// in this very frame [px of it], replaces the search of the whole picture; empty if there was no search.
   ObservationResult observe_detected(const Frame& frame, const Detections& found) noexcept;
 
-  /// The next frame is looked at as if nothing had been seen before. The counters stay.
+  /// The next frame is treated as the first. The counters stay.
   void forget() noexcept;
 
   const RejectionCounters& rejected() const { return rejected_; }  ///< since the start
   /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
   std::int64_t whole_picture_searches() const { return whole_picture_searches_; }
 
-  /// From the next frame on each stage is timed with that clock; nullptr: not any more, which is how it begins.
+  /// From the next frame on each stage is timed with that clock; nullptr, the default: not timed.
   void time_stages(StageStopwatch::Clock clock) noexcept { stopwatch_ = StageStopwatch(clock); }
   const StageStopwatch& stages() const { return stopwatch_; }  ///< of the last frame that could be used
 
   template <class Self, class Archive>
-  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; counters and times decide nothing
+  static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; without counters and times
     archive(self.track_, self.heading_);
   }
 
@@ -94,7 +94,7 @@ class LeaderObserver {
   struct Attempt {
     FoundBy found_by = FoundBy::frame;
     TagMeasurements tags;
-    Reason reason = Reason::no_tag_found;  ///< why there is nothing more
+    Reason reason = Reason::no_tag_found;  ///< why there is no more
     RejectionCounters rejected;
     void add(const TagOutcome<TagMeasurement>& outcome);
   };
@@ -103,7 +103,7 @@ class LeaderObserver {
   Reason why_unusable(const ImageView& image) const;
   Attempt track_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo);
   Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation, FoundBy found_by);
-  /// `origin_px`: where the part of the picture begins that the detections count from.
+  /// `origin_px`: the origin, in the picture, of the part that the detections refer to.
   Attempt track_detections(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
                            FoundBy found_by);
   ObservationResult conclude(const Frame& frame, Attempt& attempt,

@@ -21,12 +21,12 @@ struct LeaderPoseConfig {
   PILOTFISH_PARAMETER(double, max_reprojection_error_px, 3.0, 0.01, 100.0,
                       "RMS distance between seen and projected corners above which a pose is refused");
   PILOTFISH_PARAMETER(double, corner_sigma_px, 0.005, 0.0, 10.0,
-                      "standard deviation of each corner coordinate that is added to its measured noise: what the "
-                      "calibration and the printer get wrong");
+                      "standard deviation of each corner coordinate that is added to its measured noise: the "
+                      "errors of calibration and print");
   PILOTFISH_PARAMETER(double, min_distance_m, 0.05, 0.01, 1000.0,
-                      "camera to tag; a tag that looks so large that it is nearer is refused");
+                      "camera to tag; a tag whose size in the picture means that it is nearer is refused");
   PILOTFISH_PARAMETER(double, max_distance_m, 20.0, 0.1, 1000.0,
-                      "camera to tag; a tag that looks so small that it is farther away is refused");
+                      "camera to tag; a tag whose size in the picture means that it is farther is refused");
 };
 
 /// One pose that explains the corners at least locally best.
@@ -54,8 +54,8 @@ std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const 
                                                const TagMeasurements& tags, const LeaderPoseConfig& config,
                                                const std::optional<Eigen::Isometry3d>& guess = std::nullopt) noexcept;
 
-/// Reason::none if the pose explains the corners well enough, with every tag in front of the camera and showing it its
-/// printed side, and as large as it must be at its range.
+/// Reason::none if the pose explains the corners well enough, with every tag in front of the camera, its
+/// printed side towards it, and of the size that it must have at its range.
 Reason check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
                   const LeaderPoseConfig& config) noexcept;
 

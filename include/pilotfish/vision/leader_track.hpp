@@ -18,7 +18,7 @@ struct LeaderTrackConfig {
   PILOTFISH_PARAMETERS(LeaderTrackConfig);
   PILOTFISH_PARAMETER(
       double, memory_s, 0.5, 0.0, 5.0,
-      "for so long after the leader was last seen it is looked for where it should be now; then in the whole frame");
+      "for this time after the last measurement the leader is searched for at its prediction; then in the whole frame");
   /// Along and across the line of sight.
   PILOTFISH_PARAMETER(double, max_relative_speed_mps, 4.0, 0.1, 100.0,
                       "a leader that moved faster than that, relative to the coordinator, jumped and is refused");
@@ -26,20 +26,20 @@ struct LeaderTrackConfig {
                       "the same for the sideways sweep when the coordinator turns");
 };
 
-/// Where the leader was, how it moved in front of the camera, and what follows for now. A value.
+/// The leader's last pose and motion relative to the camera, and its prediction. A value.
 class LeaderTrack {
  public:
   explicit LeaderTrack(const LeaderTrackConfig& config) : config_(config) {}  ///< no leader known yet
 
-  /// cMo at that time if the leader was seen within memory_s before; it goes on as it moved between the last two
+  /// cMo at that time if the leader was seen within memory_s before; it is extrapolated from the last two
   /// frames.
   std::optional<Eigen::Isometry3d> predict(std::int64_t utime) const noexcept;
-  /// Whether the leader can be there now, after all that is known of where it was. What is plausible widens with time,
+  /// Whether the leader can be there now, given where it was. The plausible region grows with time,
   /// so that a leader that really was carried away is accepted again.
   bool is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept;
   double seconds_since(std::int64_t utime) const noexcept;  ///< 0 if it was never seen
 
-  /// The leader was measured: where, and how its template looked.
+  /// The leader was measured: its pose, and the appearance of its template.
   void update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,
               std::int64_t utime) noexcept;
   void forget() noexcept { seen_ = false; }  ///< no leader is known any more

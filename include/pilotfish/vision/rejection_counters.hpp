@@ -11,8 +11,8 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 // clang-format off
-/// The one list of what vision turns away, X(member, name on the wire, reason that goes with it, text): the counters, their
-/// names in a status, how a refusal is counted and explained, and Python are made from it.
+/// The one list of what vision refuses, X(member, name on the wire, reason that goes with it, text): the counters,
+/// their names in a status, how a refusal is counted and explained, and Python are made from it.
 #define PILOTFISH_REJECTION_COUNTERS(X)                                                                               \
   X(frames_invalid, "frames_invalid", none, "frames that cannot be read or are not of the calibration's size")        \
   X(hamming, "tag_hamming", tag_refused, "tags that read as something else")                                          \
@@ -29,7 +29,7 @@ namespace pilotfish::vision {
   X(jump, "pose_jump", leader_jumped, "leaders farther from where they were than anything can have moved")            \
   X(pose, "pose", pose_refused, "corners that no credible pose explains")
 
-/// Why a tag that was looked at is no measurement, X(name, text); each is counted by the counter of its name.
+/// Why a candidate tag is no measurement, X(name, text); each is counted by the counter of its name.
 #define PILOTFISH_TAG_REFUSALS(X)                                                                                     \
   X(outside_frame, "partly outside the picture")                                                                      \
   X(too_small, "cells below min_cell_px")                                                                             \
@@ -39,7 +39,7 @@ namespace pilotfish::vision {
   X(residual, "it reads well, but something else explains too much of it")
 // clang-format on
 
-/// Why a tag that was looked at is no measurement.
+/// Why a candidate tag is no measurement.
 enum class TagRefusal : std::uint8_t {
   not_found,  ///< nothing like it at that place
 #define PILOTFISH_REFUSAL(name, text) name,
@@ -47,13 +47,13 @@ enum class TagRefusal : std::uint8_t {
 #undef PILOTFISH_REFUSAL
 };
 
-/// Everything that was turned away since the start, by reason.
+/// Everything that was refused since the start, by reason.
 struct RejectionCounters {
 #define PILOTFISH_COUNTER(member, name, reason, text) std::int64_t member = 0;
   PILOTFISH_REJECTION_COUNTERS(PILOTFISH_COUNTER)
 #undef PILOTFISH_COUNTER
 
-  /// A counter and what there is to say about it.
+  /// A counter's description.
   struct Named {
     const char* name;                        ///< on the wire
     std::int64_t RejectionCounters::*count;  ///< which one
@@ -67,14 +67,14 @@ struct RejectionCounters {
   /// All of them, by name.
   static const std::array<Named, kCount>& all() noexcept;
 
-  /// One tag more that was refused. Returns what a status calls that, or `otherwise` for a tag that was not found:
-  /// something stands before it, or it was never there, which is no refusal.
+  /// Counts a refused tag. Returns the reason for a status, or `otherwise` for a tag that was not found:
+  /// something hides it, or it was never there, which is no refusal.
   Reason count(TagRefusal refusal, Reason otherwise) noexcept;
-  /// One pose more that was refused.
+  /// Counts a refused pose.
   void count_pose(Reason refusal) noexcept;
 };
 
-/// What there is to say about a refusal.
+/// A refusal's description.
 struct TagRefusalDescription {
   TagRefusal refusal;                        ///< which one
   const char* name;                          ///< the enumerator's

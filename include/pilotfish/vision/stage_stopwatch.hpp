@@ -11,7 +11,7 @@ namespace pilotfish::vision {
 
 /// What is done on the way from a frame to an observation, in this order; detect only if nothing is followed.
 enum class Stage : std::uint8_t {
-  predict,  ///< where the leader and each of its tags must be
+  predict,  ///< the positions of the leader and of each of its tags
   detect,   ///< where a detector finds tags, in the region or in the frame
   search,   ///< slide each template to its best match
   align,    ///< fit it: the registration
@@ -23,8 +23,8 @@ inline constexpr std::size_t kStages = 7;
 
 std::string_view to_string(Stage stage) noexcept;
 
-/// How long each stage took, of one frame. Whoever wants to know gives it a clock: this module has none of its own, and
-/// without one nothing is measured. Times decide nothing.
+/// How long each stage took, of one frame. The caller provides the clock: this module has none of its own, and
+/// without one nothing is measured. Times influence no result.
 class StageStopwatch {
  public:
   using Clock = std::int64_t (*)() noexcept;  ///< nanoseconds since any moment, never running backwards
@@ -37,7 +37,7 @@ class StageStopwatch {
     ns_ = {};
     last_ns_ = clock_();
   }
-  /// What has passed since the last call was spent on `stage`.
+  /// Adds the time since the last call to `stage`.
   void lap(Stage stage) noexcept {
     if (clock_ == nullptr) return;
     const std::int64_t now_ns = clock_();

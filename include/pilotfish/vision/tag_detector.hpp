@@ -13,13 +13,13 @@ PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
 /// libapriltag's blur writes before the first pixel of a row once half its kernel, int(4 sigma) | 1 wide, exceeds the
-/// row. The shortest row is kMinFrameSide / 4 = 4 px, which bears 7 taps: sigma < 2.
+/// row. The shortest row is kMinFrameSide / 4 = 4 px, which allows 7 taps: sigma < 2.
 inline constexpr double kMaxBlurSigmaPx = 1.9;
 
 /// How tags are found and which are accepted.
 struct TagDetectorConfig {
   PILOTFISH_PARAMETERS(TagDetectorConfig);
-  /// Edges are measured at full size whatever it is. At 0, whoever knows how large the tags look chooses, see
+  /// Edges are measured at full size in any case. 0: chosen by the caller from the tags' size in the picture, see
   /// decimation_for(); a detector by itself takes 1.
   PILOTFISH_PARAMETER(double, decimation, 0.0, 0.0, 4.0,
                       "find quads on an image this much smaller: 1, 1.5, 2, 3 or 4; 0: as acquisition_range_m allows");
@@ -31,23 +31,23 @@ struct TagDetectorConfig {
       "Gaussian blur of the image in which quads are found, for very noisy cameras; below 0.5 it does nothing");
 };
 
-/// Tags found and what was turned away, by gate.
+/// Tags found and what was refused, by gate.
 struct Detections {
-  Reason input = Reason::none;     ///< why the picture was not even looked at
+  Reason input = Reason::none;     ///< why the picture was not searched
   std::vector<TagDetection> tags;  ///< sorted by id, then by decision margin (best first)
-  std::vector<int> refused_ids;    ///< of the tags that a gate turned away, sorted
+  std::vector<int> refused_ids;    ///< of the tags that a gate refused, sorted
   int refused_hamming = 0;         ///< number of tags with more corrected bits than max_hamming
   int refused_margin = 0;          ///< number of tags with a decision margin below min_decision_margin
 
-  bool is_unique(int id) const;  ///< whether it was found exactly once: of two tags of an id none is the one
+  bool is_unique(int id) const;  ///< whether it was found exactly once: two tags of one id are ambiguous
 };
 
-/// libapriltag behind a safe edge: sizes are checked before it is called (it asserts or crashes on tiny and
+/// libapriltag behind a checked interface: sizes are checked before it is called (it asserts or crashes on tiny and
 /// on huge images), its corners are converted to Pilotfish's pixel convention HERE and nowhere else, gates
 /// are applied and counted. Owns scratch memory, so one detector serves one thread; it starts none of its own.
 class TagDetector {
  public:
-  /// `family`: a name that TagFamily knows. Throws ConfigError on an unknown family or a parameter out of range.
+  /// `family`: one of TagFamily's names. Throws ConfigError on an unknown family or a parameter out of range.
   TagDetector(const std::string& family, const TagDetectorConfig& config);
   ~TagDetector();
   TagDetector(TagDetector&&) noexcept;             ///< moved, with its scratch memory

@@ -31,7 +31,7 @@ struct TagMeasurement {
 };
 using TagMeasurements = BoundedVector<TagMeasurement, kMaxTagsOnBody>;
 
-/// What a stage of the tracker has to say of a tag: a value, or why there is none.
+/// The result of a stage of the tracker for a tag: a value, or why there is none.
 template <class T>
 struct TagOutcome {
   std::optional<T> value;                      ///< nothing if it was refused

@@ -20,7 +20,7 @@ struct TagPattern {
     Eigen::Vector2d middle;  ///< of the side
     bool vertical = false;   ///< it runs along y, so that crossing it is a step in x
   };
-  /// A cell whose colour is known and what it should look like.
+  /// A cell of known colour.
   struct Cell {
     Eigen::Vector2d centre;  ///< of the cell
     bool white = false;      ///< else black

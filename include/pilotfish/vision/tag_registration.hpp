@@ -14,7 +14,7 @@ namespace pilotfish::vision {
 
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-/// How a template looks in a picture: where black and white lie, how they change over it, how far a point is smeared.
+/// The appearance of a template in a picture: the levels of black and white, their slopes over it, and the blur.
 struct Appearance {
   double black = 40.0;                                       ///< gray level in the middle of the tag
   double white = 215.0;                                      ///< the same
@@ -42,9 +42,9 @@ struct Registration {
   int pixels = 0;              ///< how many were used
 };
 
-/// The one way in: fits the whole template - outer and inner edges at once - to the full-resolution picture, starting
-/// from `nHt`, whose corners may be off by about a third of a cell; nothing if it does not come to rest or if it leaves
-/// the picture. What comes back has not been read yet: see read_tag(). Never throws, never allocates.
+/// The entry point: fits the whole template - outer and inner edges at once - to the full-resolution picture, starting
+/// from `nHt`, whose corners may be off by about a third of a cell; nothing if it does not converge or if it leaves
+/// the picture. The result has not been read yet: see read_tag(). Never throws, never allocates.
 std::optional<Registration> register_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                                          const Eigen::Matrix3d& nHt, const Appearance& start) noexcept;
 

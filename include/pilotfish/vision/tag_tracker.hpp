@@ -18,7 +18,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
-/// Where a tag must be in the next picture.
+/// The predicted place of a tag in the next picture.
 struct TagPrediction {
   std::size_t tag = 0;  ///< which of the body's tags
   /// Tag coordinates (see TagPattern) to the undistorted plane Z = 1, homogeneous.
@@ -26,38 +26,38 @@ struct TagPrediction {
   double search_px = 0.0;  ///< how far from there it may be; 0: about a third of a cell
 };
 
-/// Measures the tags of one body in a picture, each where it must be, in four stages:
+/// Measures the tags of one body in a picture, each at its prediction, in four stages:
 ///
 ///     predict --> search: slide to the best match --> align: fit the template --> read every bit, pass the gates
 ///
-/// track() does the last three in a row; each can also be called by itself. It knows the camera, the templates and what
-/// is accepted, and remembers nothing of the pictures: a value. Never throws once it is made, never allocates.
+/// track() does the last three in a row; each can also be called by itself. It holds the camera, the templates and the
+/// gates, and no state from the pictures: a value. Never throws once it is made, never allocates.
 class TagTracker {
  public:
   /// How far from its predicted place a tag is searched for, at most, and at most so many of its cells: beyond, a
-  /// detection is cheaper and surer.
+  /// detection is cheaper and more reliable.
   static constexpr double kSearch_px = 40.0, kSearch_cells = 4.0;
 
-  /// Of `detector` the gates on bits count, which are the same for a tag that is detected and one that is tracked.
-  /// Throws ConfigError: a camera or body that is none, a family that is none ("leader.family"), an id that the family
+  /// Of `detector` the gates on bits are used, which are the same for a tag that is detected and one that is tracked.
+  /// Throws ConfigError: an invalid camera or body, an unknown family ("leader.family"), an id that the family
   /// does not have ("leader.tags[i].id"), a gate out of its range ("vision. ...").
   TagTracker(const CameraModel& camera, const LeaderBody& body, const TagDetectorConfig& detector = {},
              const TagGates& gates = {});
 
   /// Where tag `tag` must be if the body is at cMo; nothing if it is behind the camera or not turned towards it.
   std::optional<TagPrediction> predict(std::size_t tag, const Eigen::Isometry3d& cMo) const noexcept;
-  /// A tag whose corners [px] are known about, bottom left first as a detector gives them.
+  /// A tag whose corners [px] are known roughly, bottom left first as a detector gives them.
   TagPrediction predict(std::size_t tag, const std::array<Eigen::Vector2d, 4>& corners_px,
                         double search_px = 0.0) const noexcept;
 
-  /// The prediction's nHt, shifted to where the template matches best within search_px. Refused where nothing looks
-  /// like it, where it is too small to be fitted, and outside the picture.
+  /// The prediction's nHt, shifted to where the template matches best within search_px. Refused where nothing
+  /// matches, where it is too small to be fitted, and outside the picture.
   TagOutcome<Eigen::Matrix3d> search(const ImageView& image, const TagPrediction& prediction) const noexcept;
   /// The template fitted from there, starting with the gray levels and blur of `expected`. Refused where the fit does
-  /// not come to rest, partly outside the picture, or with cells below min_cell_px.
+  /// not converge, partly outside the picture, or with cells below min_cell_px.
   TagOutcome<Registration> align(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
                                  const Appearance& expected) const noexcept;
-  /// What the fitted tag says, if it is the one that was expected and passes the gates on blur, bits, contrast and
+  /// The measurement, if the fitted tag is the one that was expected and passes the gates on blur, bits, contrast and
   /// residual.
   TagOutcome<TagMeasurement> read(const ImageView& image, std::size_t tag,
                                   const Registration& registration) const noexcept;
@@ -69,7 +69,7 @@ class TagTracker {
   const CameraModel& camera() const { return camera_; }                        ///< of the pictures
   const LeaderBody& body() const { return body_; }                             ///< whose tags these are
   const TagPattern& pattern(std::size_t tag) const { return patterns_[tag]; }  ///< of tag `tag`
-  /// The place of that id among the body's tags; nothing if the body does not wear it.
+  /// The index of that id among the body's tags; nothing if the body does not have it.
   std::optional<std::size_t> find(int id) const noexcept;
   /// Side of a cell of tag `tag` [px], seen squarely at that depth with that focal length [px].
   double cell_px(std::size_t tag, double focal_px, double depth_m) const noexcept;

@@ -22,7 +22,7 @@ Frame frame_of(const vpImage<unsigned char>& image, std::int64_t utime);
 vpImage<unsigned char> image_of(const Frame& frame);
 
 /// px, py, u0, v0 and, of a camera with distortion, k_ud as k1 (both multiply the normalised coordinates by
-/// 1 + k r^2 on their way to the pixel). width, height [px]: of the pictures, which ViSP's parameters do not say.
+/// 1 + k r^2 on their way to the pixel). width, height [px]: of the pictures, which ViSP's parameters do not contain.
 /// Throws ConfigError (camera.*) if that is no usable camera, or for ViSP's Kannala-Brandt model.
 CameraModel camera_model_of(const vpCameraParameters& camera, int width, int height);
 /// Throws ConfigError, key camera.distortion, if the lens has more than k1: ViSP has no room for it.

@@ -22,17 +22,17 @@ namespace pilotfish::visp {
 ///     pilotfish::visp::TagTracker detector;  // vpDetectorAprilTag detector(vpDetectorAprilTag::TAG_36h11);
 ///     detector.detect(I, tag_size, cam, cMo_vec);
 ///
-/// vpDetectorAprilTag looks for tags in every picture anew. This looks for them in the whole picture while it sees
-/// none, when one is lost and every setSearchPeriod() pictures; in between, each tag is followed from where it was by
-/// fitting its print. What differs for the caller:
+/// vpDetectorAprilTag looks for tags in every picture anew. This looks for them in the whole picture while there are
+/// none, when one is lost and every setSearchPeriod() pictures; in between, each tag is tracked from where it was by
+/// fitting its template. What differs for the caller:
 ///
-/// - A tag that appears beside one that is being followed is seen up to setSearchPeriod() pictures later.
-/// - Pictures must come in order, about setFrameRate() of them a second, from one camera; after a gap, or for pictures
-///   that have nothing to do with each other, call reset() before each.
-/// - An id that is twice in one picture is not accepted, and neither is a tag with a wrong bit, partly outside the
+/// - A tag that appears beside one that is being followed is found up to setSearchPeriod() pictures later.
+/// - Pictures must come in order, about setFrameRate() of them a second, from one camera; after a gap, or for
+///   unrelated pictures, call reset() before each.
+/// - An id that occurs twice in one picture is not accepted, and neither is a tag with a wrong bit, partly outside the
 ///   picture, or without contrast (docs/vision.md). What is tracked already stays tracked.
 /// - Tags come sorted by id.
-/// - Of a camera with distortion k_ud is used, and k_du is not: the pose fits the picture as the lens makes it.
+/// - Of a camera with distortion k_ud is used, and k_du is not: the pose fits the distorted picture.
 ///
 /// Pixel centres are at whole numbers, as everywhere in ViSP. vpDetectorAprilTag's corners have them at +0.5, so its
 /// corners lie half a pixel farther right and down, and its poses accordingly.
@@ -61,11 +61,11 @@ class TagTracker {
 
   /// tag_size [m]: side of the black square, the same for all tags. cMo_vec: per tag the pose of its frame in the
   /// camera's (x right, y down, z ahead) [m], in the order of getTagsId(). Whether a tag was seen. Throws ConfigError
-  /// for a size that is not positive or a camera that is none (ViSP's Kannala-Brandt model, too). A picture of less
+  /// for a size that is not positive or an invalid camera (ViSP's Kannala-Brandt model, too). A picture of less
   /// than 16 or more than 16384 pixels a side has no tags.
   bool detect(const vpImage<unsigned char>& I, double tag_size, const vpCameraParameters& cam,
               std::vector<vpHomogeneousMatrix>& cMo_vec);
-  /// Without poses; ask getPose(), with the size of each tag. Follows with the camera that detect() was last told,
+  /// Without poses; call getPose(), with the size of each tag. Tracks with the camera that detect() was last given,
   /// or else getPose() first. Until then every picture is searched as a whole, and the corners are libapriltag's.
   bool detect(const vpImage<unsigned char>& I);
   /// Of tag `i` in the last picture, for that size [m] and camera. false if there is no such tag or no pose explains
@@ -87,7 +87,7 @@ class TagTracker {
   /// The mean of its corners [px]; std::out_of_range if there is no such tag.
   vpImagePoint getCog(std::size_t i) const;
 
-  /// Forgets all tags and the camera: the next picture is searched as the first one.
+  /// Drops all tags and the camera: the next picture is searched as the first one.
   void reset();
   /// How often the whole picture was searched so far.
   std::int64_t wholePictureSearches() const;

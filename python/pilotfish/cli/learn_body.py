@@ -41,7 +41,7 @@ def learn_body(
         list[int] | None, typer.Option("--ignore", help="An id that is not on the robot. Can be repeated.")
     ] = None,
     reference_tag: Annotated[
-        int | None, typer.Option(help="The tag that forward is told by; default: the smallest id.")
+        int | None, typer.Option(help="The tag that defines forward; default: the smallest id.")
     ] = None,
     facing_deg: Annotated[
         float,

@@ -25,8 +25,8 @@ WithinOption = Annotated[float, typer.Option("--within-s", min=0.1, max=3600.0, 
 def stop(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, within_s: WithinOption = 3.0) -> None:
     """Stop a robot: it stands still until it is resumed. Works without a key, always.
 
-    Sends at once, several times, until the robot's status says that it has been told to stop; ends with 69 if no
-    coordinator is heard (the stops have been sent all the same).
+    Sends at once, several times, until the robot's status confirms the stop; ends with 69 if no
+    coordinator answers (the stops have been sent nevertheless).
 
     \b
     Example

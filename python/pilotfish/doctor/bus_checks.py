@@ -12,7 +12,7 @@ _SHOWN = 12
 
 @dataclass
 class Channel:
-    """What was heard on one channel."""
+    """What was received on one channel."""
 
     messages: int = 0
     payload_bytes: int = 0

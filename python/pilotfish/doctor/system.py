@@ -73,7 +73,7 @@ def check_firewall(host: Host) -> Finding:
     if shown is None:
         return note("firewall", "no nft here: who else may send to the bus is not known", "apt-get install nftables")
     if shown.returncode == 0:
-        return ok("firewall", f"only this host is heard; {_dropped(shown.stdout)} packets of others dropped")
+        return ok("firewall", f"only this host can send; {_dropped(shown.stdout)} packets of others dropped")
     if "permitted" in shown.stderr:
         return note("firewall", "only root can read the rules", "sudo nft list table inet pilotfish")
     return note("firewall", "every host on the network can send to the bus", f"sudo nft -f {RULES}")

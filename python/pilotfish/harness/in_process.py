@@ -52,13 +52,13 @@ def run_in_process(
     on_progress: OnProgress | None = None,
     on_frame: OnFrame | None = None,
 ) -> Run:
-    """Plays the scenario: at each exposure every robot looks, steps, and is told the command after its
+    """Plays the scenario: at each exposure every robot takes a picture, steps, and gets the command after its
     latency.
 
     ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
     seed, other imperfections. ``configure`` has the last word on each coordinator's configuration. With ``drawn``
     nothing is rendered: measurements are drawn. ``tell`` is called before each look, with the robot's name: what else
-    the coordinator is told then, such as odometry.
+    the coordinator receives then, such as odometry.
     """
     world = sim.World(spec if spec is not None else sim.load_scenario(scenario.file))
     driving = Driving(profile, tuning)
@@ -75,7 +75,7 @@ def run_in_process(
             delivered = drawn is not None or frame is not None
             if tell:
                 tell(world, robot.name, drivers[robot.name])
-            if delivered:  # else nobody answers, and the wheels go on with what they were told last
+            if delivered:  # else there is no answer, and the wheels keep the last command
                 driver = drivers[robot.name]
                 result = (
                     driver.step(frame, frame.utime) if frame is not None else drawn.answer(world, robot.name, driver)

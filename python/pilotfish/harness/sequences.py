@@ -1,7 +1,7 @@
 """Sequences of pictures on disk: rendered into a folder, and looked at by the coordinator program.
 
 A folder holds ``000000.png``, ... and ``frames.csv``, whose first two columns (file, utime_us) are what
-``pilotfish-coordinator --source images:DIR`` reads; the others are the truth, for whoever judges what it
+``pilotfish-coordinator --source images:DIR`` reads; the others are the truth, to check what it
 says.
 """
 
