@@ -41,7 +41,7 @@ class World {
   /// From effective_time_s on the robot is told this, until something newer takes effect. A time in the past
   /// means now. Refused (false): a twist or time that is not finite, or a robot that drives a trajectory.
   bool command(const std::string& robot, const Twist& twist, double effective_time_s);
-  /// Moves everybody on. A time in the past changes nothing.
+  /// Moves everybody on. A time in the past, or none at all (not finite, beyond kNever_s), changes nothing.
   void advance_to(double time_s);
 
   /// Where a robot is now, and how fast.
