@@ -219,6 +219,14 @@ class PythonLaw final : public Law {
   py::object law_;
 };
 
+/// A function that is kept and copied where Python's lock is not held: in configurations.
+std::shared_ptr<py::function> shared(py::function function) {
+  return {new py::function(std::move(function)), [](py::function* kept) {
+            const py::gil_scoped_acquire gil;
+            delete kept;
+          }};
+}
+
 void bind_laws(py::module_& m) {
   py::class_<LawParameter>(m, "LawParameter", "A number in the configuration's section control.<law>.")
       .def(py::init([](std::string key, double value, double min, double max, std::string text) {
@@ -235,10 +243,11 @@ void bind_laws(py::module_& m) {
                              "A law as the configuration, the command line and the documentation know it.")
       .def(py::init([](std::string name, std::string text, std::vector<LawParameter> parameters, py::function make) {
              check_own_law_name(name);
-             const auto made = [make = std::move(make)](const std::vector<LawParameter>& values,
-                                                        const LimitsConfig& limits) -> std::unique_ptr<Law> {
+             const auto made = [make = shared(std::move(make))](const std::vector<LawParameter>& values,
+                                                                const LimitsConfig& limits) -> std::unique_ptr<Law> {
+               const py::gil_scoped_acquire gil;
                LawDescription law{"", "", values, nullptr};
-               return std::make_unique<PythonLaw>(make(values_of(law), limits));
+               return std::make_unique<PythonLaw>((*make)(values_of(law), limits));
              };
              return LawDescription{std::move(name), std::move(text), std::move(parameters), made};
            }),
@@ -346,8 +355,10 @@ PYBIND11_MODULE(control, m) {
                     "LeaderIntentUse: what the leader's word was worth");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
-      .def(py::init<FollowerConfig>(), py::arg("config"), "ConfigError names the parameter that is out of range.")
+      .def(py::init<FollowerConfig>(), py::arg("config"), py::call_guard<py::gil_scoped_release>(),
+           "ConfigError names the parameter that is out of range.")
       .def("follow", &Follower::follow, py::arg("observation"), py::arg("setpoint"),
+           py::call_guard<py::gil_scoped_release>(),
            "FollowerOutput for an Observation and a Setpoint; the time since the last call is that between the "
            "observations.")
       .def("set_ego_motion", &Follower::set_ego_motion, py::arg("utime"), py::arg("twist"),
