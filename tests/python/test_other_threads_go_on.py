@@ -12,7 +12,7 @@ from long_calls import CAMERA, of_control, of_coordinator, of_files, of_recordin
 
 from pilotfish import control, coordinator, core, data, fuzzy
 
-CALLS = 500  # one that is over before the other thread has woken up says nothing: again
+CALLS = 5000  # one that is over before the other thread has woken up says nothing: again
 NEVER_S = 1000.0
 
 
