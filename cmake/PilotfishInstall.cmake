@@ -42,7 +42,8 @@ function(pilotfish_install_module module)
        "Requires: ${requires}\nLibs: -L\${libdir} -lpilotfish_${module}${postfix}${threads}\nCflags: -I\${includedir}\n")
 
   install(TARGETS pilotfish_${module} EXPORT pilotfish-${module}
-          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   install(EXPORT pilotfish-${module} NAMESPACE pilotfish:: FILE pilotfish-${module}-targets.cmake
           DESTINATION ${package_dir} COMPONENT development)
   install(DIRECTORY include/pilotfish/${module} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pilotfish COMPONENT development)

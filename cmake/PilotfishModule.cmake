@@ -176,7 +176,9 @@ function(pilotfish_add_library module)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:pilotfish_lcmtypes>)
   endif()
   # Before 1.0 every minor version may change the interface, so the name of the shared library carries it.
+  # Shared, they find each other in the folder that they are installed in.
   set_target_properties(${target} PROPERTIES
+    INSTALL_RPATH "$ORIGIN"
     POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX EXPORT_NAME ${module}
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON DEBUG_POSTFIX "${pilotfish_debug_postfix}"
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})

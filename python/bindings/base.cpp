@@ -214,7 +214,8 @@ PYBIND11_MODULE(base, m) {
       .def_property_readonly(
           "device", [](const config::BaseFile& file) { return file.driver.device; },
           "of the serial driver, e.g. /dev/ttyUSB0; empty with another driver");
-  m.def("load_base", &config::load_base, py::arg("file"), "Throws ValueError naming the key.");
+  m.def("load_base", &config::load_base, py::arg("file"), py::call_guard<py::gil_scoped_release>(),
+        "Throws ValueError naming the key.");
 
   add_reprs(m, {"BaseOutput", "ControllerLine", "BaseFile"});
 }

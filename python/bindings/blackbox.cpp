@@ -10,15 +10,29 @@ namespace py = pybind11;
 using namespace pilotfish;
 using blackbox::BlackBox;
 
+namespace {
+
+/// The end of a box waits for the disk, two seconds at most: other threads go on meanwhile.
+struct Released {
+  void operator()(BlackBox* box) const {
+    const py::gil_scoped_release unlocked;
+    delete box;
+  }
+};
+using Holder = std::unique_ptr<BlackBox, Released>;
+
+}  // namespace
+
 PYBIND11_MODULE(blackbox, m) {
   for (const char* module : {"pilotfish.core", "pilotfish.coordinator"}) py::module_::import(module);
   m.doc() = "A bounded ring of files with everything that a replay of a run needs.";
 
   using Release = py::call_guard<py::gil_scoped_release>;
-  py::class_<BlackBox>(m, "BlackBox", "Record each call of the coordinator right after it, in their order.")
+  py::class_<BlackBox, Holder>(m, "BlackBox", "Record each call of the coordinator right after it, in their order.")
       .def(py::init([](const config::BlackBoxConfig& config, const std::string& robot, const Coordinator& core,
                        const config::ConfigBundle& bundle, std::int64_t session, const std::string& command_line) {
-             return std::make_unique<BlackBox>(config, blackbox::Start{robot, session, command_line, bundle}, core);
+             const py::gil_scoped_release unlocked;
+             return Holder(new BlackBox(config, blackbox::Start{robot, session, command_line, bundle}, core));
            }),
            py::arg("config"), py::kw_only(), py::arg("robot"), py::arg("coordinator"), py::arg("bundle"),
            py::arg("session") = 0, py::arg("command_line") = "", "ValueError if nothing can be written there.")
@@ -60,6 +74,7 @@ PYBIND11_MODULE(blackbox, m) {
           "message",
           [](BlackBox& box, const std::string& channel, const py::bytes& data) {
             const std::string_view bytes = data;
+            const py::gil_scoped_release unlocked;
             box.message(channel, bytes.data(), bytes.size());
           },
           py::arg("channel"), py::arg("data"), "A message as it went over the bus: its channel and its encoded bytes.")
@@ -82,6 +97,7 @@ PYBIND11_MODULE(blackbox, m) {
       "decode_jpeg",
       [](const py::bytes& data, int width, int height, std::int64_t utime) -> std::optional<Frame> {
         const std::string_view bytes = data;
+        const py::gil_scoped_release unlocked;
         auto pixels = jpeg::decode(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), {width, height});
         if (!pixels) return std::nullopt;
         return Frame::from_pixels(utime, width, height, std::move(*pixels));

@@ -220,7 +220,7 @@ PYBIND11_MODULE(bus, m) {
         py::arg("what"));
   bind_reports(m);
   py::class_<Key>(m, "Key", "What commands and setpoints are authenticated with: load_key().");
-  m.def("load_key", &load_key, py::arg("path"),
+  m.def("load_key", &load_key, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
         "From a file of 64 hex digits that only its owner may read; raises ValueError.");
   m.def(
       "message_mac",

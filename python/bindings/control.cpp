@@ -201,7 +201,7 @@ void bind_laws(py::module_& m) {
                        const std::optional<py::function>& make) {
              if (make) check_own_law_name(name);
              LawDescription law{name, std::move(text), std::move(parameters), nullptr};
-             law.make = make ? PythonMaker{name, *make} : make_of_built_in(name);
+             law.make = make ? PythonMaker{name, shared(*make)} : make_of_built_in(name);
              return law;
            }),
            py::kw_only(), py::arg("name"), py::arg("text"), py::arg("parameters") = std::vector<LawParameter>{},
@@ -217,7 +217,7 @@ void bind_laws(py::module_& m) {
           "make",
           [](const LawDescription& law) -> std::optional<py::function> {
             const PythonMaker* const maker = law.make.target<PythonMaker>();
-            return maker != nullptr ? std::optional(maker->make) : std::nullopt;
+            return maker != nullptr ? std::optional(*maker->make) : std::nullopt;
           },
           "what makes it, or None of a law that is built in");
   m.def("built_in_laws", &built_in_laws, "The laws that come with Pilotfish, beside the fuzzy one.");
@@ -317,9 +317,13 @@ PYBIND11_MODULE(control, m) {
                     "LeaderIntentUse: what the leader's word was worth");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
-      .def(py::init<FollowerConfig>(), py::arg("config"), "ConfigError names the parameter that is out of range.")
+      .def(py::init<FollowerConfig>(), py::arg("config"), py::call_guard<py::gil_scoped_release>(),
+           "ConfigError names the parameter that is out of range.")
       .def("follow", exclusive([](Follower& follower, const Observation& observation, const Setpoint& setpoint) {
-             return raising_law_exceptions([&] { return follower.follow(observation, setpoint); });
+             return raising_law_exceptions([&] {
+               const py::gil_scoped_release unlocked;
+               return follower.follow(observation, setpoint);
+             });
            }),
            py::arg("observation"), py::arg("setpoint"),
            "FollowerOutput for an Observation and a Setpoint; the time since the last call is that between the "

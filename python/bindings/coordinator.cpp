@@ -78,9 +78,12 @@ void bind_config(py::module_& m) {
       .def_readonly("overrides", &ConfigBundle::overrides, "ConfigOverrides of the command line");
   m.def("bundle_config", &config::bundle_config, py::arg("path"),
         py::arg_v("overrides", ConfigOverrides{}, "pilotfish.coordinator.ConfigOverrides()"),
+        py::call_guard<py::gil_scoped_release>(),
         "The ConfigBundle of a configuration file that load_coordinator() takes. ValueError names the key at fault.");
-  m.def("load_bundle", &config::load_bundle, py::arg("bundle"), "ValueError names the key at fault.");
-  m.def("load_coordinator", &config::load_coordinator, py::arg("path"), "ValueError names the key at fault.");
+  m.def("load_bundle", &config::load_bundle, py::arg("bundle"), py::call_guard<py::gil_scoped_release>(),
+        "ValueError names the key at fault.");
+  m.def("load_coordinator", &config::load_coordinator, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
+        "ValueError names the key at fault.");
   m.def(
       "apply_overrides",
       [](control::FollowerConfig config, std::optional<std::string> law, std::optional<std::string> profile,
@@ -91,14 +94,16 @@ void bind_config(py::module_& m) {
         return config;
       },
       py::arg("control"), py::kw_only(), py::arg("law") = py::none(), py::arg("profile") = py::none(),
-      py::arg("tuning") = py::none(),
+      py::arg("tuning") = py::none(), py::call_guard<py::gil_scoped_release>(),
       "The control configuration with what the command line says instead (--law, --profile, --tuning). ValueError "
       "names "
       "the key at fault, and refuses a tuning whose sections the law does not read.");
-  m.def("load_calibration", &config::load_calibration, py::arg("path"), "ViSP's camera XML or OpenCV's YAML.");
-  m.def("load_leader_body", &config::load_leader_body, py::arg("path"),
+  m.def("load_calibration", &config::load_calibration, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
+        "ViSP's camera XML or OpenCV's YAML.");
+  m.def("load_leader_body", &config::load_leader_body, py::arg("path"), py::call_guard<py::gil_scoped_release>(),
         "The LeaderBody of a leader file, see data/leaders. ValueError names the key at fault.");
-  m.def("describe_config", &config::describe_config, "Every key of the coordinator's file as Markdown tables.");
+  m.def("describe_config", &config::describe_config, py::call_guard<py::gil_scoped_release>(),
+        "Every key of the coordinator's file as Markdown tables.");
 }
 
 }  // namespace
@@ -166,7 +171,7 @@ PYBIND11_MODULE(coordinator, m) {
   py::class_<Coordinator>(m, "Coordinator",
                           "Frame and its arrival in, StepResult out. now_us: monotonic; in a simulation, the simulated "
                           "time at which the frame arrives.")
-      .def(py::init<const CoordinatorConfig&>(), py::arg("config"),
+      .def(py::init<const CoordinatorConfig&>(), py::arg("config"), py::call_guard<py::gil_scoped_release>(),
            "ConfigError (a ValueError) names the parameter that is out of range.")
       .def("step", exclusive([](Coordinator& coordinator, const Frame& frame, std::int64_t now_us) {
              return raising_law_exceptions([&] {
@@ -179,6 +184,7 @@ PYBIND11_MODULE(coordinator, m) {
            exclusive([](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
                         std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
              return raising_law_exceptions([&] {
+               const py::gil_scoped_release unlocked;
                return coordinator.step_observation(utime, {observation, observation ? Reason::none : reason}, {now_us},
                                                    known_age_us);
              });

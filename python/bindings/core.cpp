@@ -120,6 +120,7 @@ PYBIND11_MODULE(core, m) {
   py::class_<Frame>(m, "Frame", "One gray picture and the instant of its exposure.")
       .def(py::init([](const py::array& image, std::int64_t utime) {
              const ImageView view = image_view(image);
+             const py::gil_scoped_release unlocked;
              return Frame::from_pixels(utime, view.width, view.height, {view.data, view.data + view.size_bytes});
            }),
            "image: (H, W) uint8, copied; utime: exposure time in microseconds", py::arg("image"), py::kw_only(),
@@ -341,7 +342,10 @@ PYBIND11_MODULE(core, m) {
   m.def(
       "read_file",
       [](const std::filesystem::path& file, std::size_t max_bytes) {
-        const FileRead read = read_file(file, max_bytes);
+        const FileRead read = [&] {
+          const py::gil_scoped_release unlocked;
+          return read_file(file, max_bytes);
+        }();
         if (!read.bytes) throw std::invalid_argument(read.problem);
         return py::bytes(*read.bytes);
       },

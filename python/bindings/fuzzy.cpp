@@ -49,6 +49,7 @@ RuleBase make_rules(const std::vector<std::vector<std::size_t>>& consequents) {
 // validated when it is made, so every Controller that Python can hold is a validated one.
 Controller make_controller(const LinguisticVariable& error, const LinguisticVariable& error_change,
                            const LinguisticVariable& output, const RuleBase& rules, const std::string& name) {
+  const py::gil_scoped_release released;
   Controller controller{name, error, error_change, output, rules};
   validate(controller);
   return controller;
@@ -311,14 +312,14 @@ PYBIND11_MODULE(fuzzy, m) {
           "(N, 2): corners (u, mu) of the set whose centroid is the output");
   m.def("explain", &explain, "The inference, the rules that fire in words, and the clipped output set.",
         py::arg("controller"), py::arg("error"), py::arg("error_change"),
-        py::arg_v("widths", InputWidths{}, "InputWidths()"));
+        py::arg_v("widths", InputWidths{}, "InputWidths()"), py::call_guard<py::gil_scoped_release>());
   m.def("to_fll", &pilotfish::config::to_fll, "The controller in fuzzylite's language, with every digit.",
-        py::arg("controller"));
+        py::arg("controller"), py::call_guard<py::gil_scoped_release>());
   m.def("to_yaml", &pilotfish::config::to_yaml, "The controller in the form of data/fuzzy/*.yaml, with every digit.",
-        py::arg("controller"));
+        py::arg("controller"), py::call_guard<py::gil_scoped_release>());
   m.def("load_controller", &pilotfish::config::load_fuzzy_controller,
         "Reads and validates data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
-        py::arg("path"));
+        py::arg("path"), py::call_guard<py::gil_scoped_release>());
 
   using pilotfish::python::make_value;
   make_value(m, "Triangle", {"a", "b", "c"});

@@ -69,12 +69,21 @@ class PythonLaw final : public Law {
   py::object law_;
 };
 
+/// A function that is kept and copied where Python's lock is not held: in configurations.
+inline std::shared_ptr<py::function> shared(py::function function) {
+  return {new py::function(std::move(function)), [](py::function* kept) {
+            const py::gil_scoped_acquire gil;
+            delete kept;
+          }};
+}
+
 /// How a law written in Python is made: make({parameter: value}, limits).
 struct PythonMaker {
   std::string name;
-  py::function make;
+  std::shared_ptr<py::function> make;  ///< see shared()
   std::unique_ptr<Law> operator()(const std::vector<LawParameter>& values, const LimitsConfig& limits) const {
-    py::object law = make(values_of({name, "", values, nullptr}), limits);
+    const py::gil_scoped_acquire gil;
+    py::object law = (*make)(values_of({name, "", values, nullptr}), limits);
     if (PyCallable_Check(py::object(py::getattr(law, "follow", py::none())).ptr()) == 0)
       throw ConfigError("control." + name,
                         "make() returned " + py::repr(law).cast<std::string>() + ", which has no method follow()");

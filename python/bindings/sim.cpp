@@ -38,8 +38,8 @@ void bind_motion(py::module_& m) {
            "drive: DriveConfig; start: Pose2, at rest.")
       .def_property_readonly("state", &Unicycle::state, "UnicycleState: pose and real twist now")
       .def_property_readonly("set_value", &Unicycle::set_value, "the driver's ramp behind which the wheels lag")
-      .def("advance", &Unicycle::advance, "Obeys one constant command for duration_s.", py::arg("command"),
-           py::arg("duration_s"));
+      .def("advance", &Unicycle::advance, "Obeys one constant command for duration_s [s].", py::arg("command"),
+           py::arg("duration_s"), py::call_guard<py::gil_scoped_release>());
 }
 
 void bind_trajectories(py::module_& m) {
@@ -77,7 +77,7 @@ void bind_trajectories(py::module_& m) {
   bind_parameters<Waypoints>(m, "Waypoints", "From point to point: turn on the spot, drive, stop, wait.")
       .def_readwrite("points", &Waypoints::points, "list of Waypoint; getting it gives a copy, so set it as a whole");
   m.def("state_at", &state_at, "UnicycleState on the trajectory that begins at `start`, exactly.",
-        py::arg("trajectory"), py::arg("start"), py::arg("time_s"));
+        py::arg("trajectory"), py::arg("start"), py::arg("time_s"), py::call_guard<py::gil_scoped_release>());
 }
 
 void bind_rendering(py::module_& m) {
@@ -87,6 +87,7 @@ void bind_rendering(py::module_& m) {
   py::class_<Renderer>(m, "Renderer", "A camera, as a function of what is in front of it.")
       .def(py::init([](const CameraModel& camera, const Imperfections& imperfections, const CameraMounting& mounting,
                        std::uint64_t clutter_seed) {
+             const py::gil_scoped_release unlocked;
              return std::make_unique<Renderer>(camera, mounting, imperfections, clutter_seed);
            }),
            py::arg("camera"), py::arg("imperfections") = Imperfections{}, py::arg("mounting") = CameraMounting{},
@@ -97,8 +98,7 @@ void bind_rendering(py::module_& m) {
           "render",
           [](const Renderer& renderer, const std::vector<std::pair<RobotBody, DoubleArray>>& bodies,
              double camera_heading_rad, std::uint64_t seed) {
-            std::vector<std::vector<Surface>> surfaces;
-            for (const auto& [body, cMo] : bodies) surfaces.push_back(surfaces_of(body));
+            std::vector<std::vector<Surface>> surfaces(bodies.size());
             View view;
             view.camera_heading_rad = camera_heading_rad;
             for (std::size_t i = 0; i < bodies.size(); ++i)
@@ -106,6 +106,7 @@ void bind_rendering(py::module_& m) {
             std::vector<std::uint8_t> pixels;
             {
               const py::gil_scoped_release released;
+              for (std::size_t i = 0; i < bodies.size(); ++i) surfaces[i] = surfaces_of(bodies[i].first);
               pixels = renderer.render({view}, seed);
             }
             const CameraModel& camera = renderer.camera();
@@ -119,8 +120,14 @@ void bind_rendering(py::module_& m) {
          std::uint64_t seed) {
         RobotBody body;
         body.leader = leader.cast<LeaderBody>();
-        const Renderer renderer(camera.cast<CameraModel>(), {}, imperfections.cast<Imperfections>(), seed);
-        return py::cast(&renderer, py::return_value_policy::reference)
+        const auto lens = camera.cast<CameraModel>();
+        const auto flaws = imperfections.cast<Imperfections>();
+        std::optional<Renderer> renderer;
+        {
+          const py::gil_scoped_release released;
+          renderer.emplace(lens, CameraMounting{}, flaws, seed);
+        }
+        return py::cast(&*renderer, py::return_value_policy::reference)
             .attr("render")(py::make_tuple(py::make_tuple(body, cMo)), py::arg("seed") = seed);
       },
       "(H, W) uint8 of a leader's tags alone, in front of clutter; a Renderer is faster for many pictures.",
@@ -167,13 +174,14 @@ void bind_scenario(py::module_& m) {
           },
           "A copy of the robot of that name.", py::arg("name"))
       .def("validate", &Scenario::validate, "ValueError names the key at fault.");
-  m.def("load_scenario", &config::load_scenario, "ValueError names the key at fault.", py::arg("path"));
+  m.def("load_scenario", &config::load_scenario, "ValueError names the key at fault.", py::arg("path"),
+        py::call_guard<py::gil_scoped_release>());
 }
 
 void bind_world(py::module_& m) {
   m.attr("START_UTIME") = kStartUtime;
   py::class_<World>(m, "World", "The world of a scenario. It has no clock: it is advanced.")
-      .def(py::init<Scenario>(), py::arg("scenario"),
+      .def(py::init<Scenario>(), py::arg("scenario"), py::call_guard<py::gil_scoped_release>(),
            "ValueError (ConfigError) names the key if the scenario is not valid.")
       .def_property_readonly("scenario", exclusive([](const World& world) { return world.scenario(); }),
                              "a copy of the Scenario it plays")
@@ -186,16 +194,24 @@ void bind_world(py::module_& m) {
            py::arg("robot"), py::arg("twist"), py::arg("effective_time_s"))
       .def("advance_to", exclusive_unlocked(&World::advance_to), py::arg("time_s"),
            "Moves everybody on to time_s [s]. A time in the past changes nothing.")
-      .def("state", exclusive(&World::state), py::arg("robot"),
+      .def("state", exclusive_unlocked(&World::state), py::arg("robot"),
            "UnicycleState of a robot now. IndexError on a name that the scenario does not have.")
       .def("command_in_effect", exclusive(&World::command_in_effect), py::arg("robot"), py::arg("time_s"),
            "Twist that acts at time_s [s], not in the past, if no other command comes before. IndexError on a name "
            "that the scenario does not have.")
-      .def("true_cMo",
-           exclusive([](const World& world, const std::string& robot) { return to_array(world.true_cMo(robot)); }),
+      .def("true_cMo", exclusive([](const World& world, const std::string& robot) {
+             const auto cMo = [&] {
+               const py::gil_scoped_release unlocked;
+               return world.true_cMo(robot);
+             }();
+             return to_array(cMo);
+           }),
            "(4, 4): the leader's base in the robot's camera frame", py::arg("robot"))
       .def("true_relative_pose", exclusive([](const World& world, const std::string& robot) {
-             const RelativePose pose = world.true_relative_pose(robot);
+             const RelativePose pose = [&] {
+               const py::gil_scoped_release unlocked;
+               return world.true_relative_pose(robot);
+             }();
              return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
            }),
            "(distance_m, bearing_rad, heading_rad) of the leader", py::arg("robot"))
@@ -234,7 +250,7 @@ void bind_loop_parts(py::module_& m) {
         return csv.str();
       },
       "One row of it: the truth at this instant, and the answer.", py::arg("world"), py::arg("robot"), py::kw_only(),
-      py::arg("command"), py::arg("status"), py::arg("delivered") = true);
+      py::arg("command"), py::arg("status"), py::arg("delivered") = true, py::call_guard<py::gil_scoped_release>());
 }
 
 }  // namespace

@@ -20,6 +20,13 @@ std::variant<T, vision::TagRefusal> value_or_refusal(const vision::TagOutcome<T>
   return outcome.refusal;
 }
 
+/// What `work` returns, with Python's other threads running meanwhile: it must not touch Python.
+template <class Work>
+auto unlocked(const Work& work) {
+  const py::gil_scoped_release released;
+  return work();
+}
+
 inline std::size_t tag_with(const vision::TagTracker& tracker, int id) {
   const std::optional<std::size_t> tag = tracker.find(id);
   if (!tag) throw py::key_error("the body does not wear tag " + std::to_string(id));
@@ -57,7 +64,7 @@ inline void bind_tag_tracker(py::module_& m) {
       .def(
           py::init<const CameraModel&, const LeaderBody&, const TagDetectorConfig&, const TagGates&>(), py::kw_only(),
           py::arg("camera"), py::arg("body"), py::arg_v("detector", TagDetectorConfig{}, "TagDetectorConfig()"),
-          py::arg_v("gates", TagGates{}, "TagGates()"),
+          py::arg_v("gates", TagGates{}, "TagGates()"), py::call_guard<py::gil_scoped_release>(),
           "camera: of the pictures; body: the tags; of detector max_hamming and min_decision_margin count. ConfigError "
           "on a camera, family, id or gate that is none.")
       .def(
@@ -81,7 +88,8 @@ inline void bind_tag_tracker(py::module_& m) {
           "search",
           [](const TagTracker& tracker, const py::array& image,
              const TagPrediction& prediction) -> std::variant<DoubleArray, TagRefusal> {
-            const TagOutcome<Eigen::Matrix3d> found = tracker.search(image_view(image), prediction);
+            const TagOutcome<Eigen::Matrix3d> found =
+                unlocked([&, view = image_view(image)] { return tracker.search(view, prediction); });
             if (found) return to_array(*found);
             return found.refusal;
           },
@@ -93,7 +101,8 @@ inline void bind_tag_tracker(py::module_& m) {
           [](const TagTracker& tracker, const py::array& image, int id, const DoubleArray& nHt,
              const Appearance& expected) {
             return value_or_refusal(
-                tracker.align(image_view(image), tag_with(tracker, id), to_matrix<3, 3>(nHt, "nHt"), expected));
+                unlocked([&, view = image_view(image), tag = tag_with(tracker, id),
+                          from = to_matrix<3, 3>(nHt, "nHt")] { return tracker.align(view, tag, from, expected); }));
           },
           "The Registration: the template fitted from nHt (3, 3), which may be off by a third of a cell; or the\n"
           "TagRefusal. KeyError on an id that the body does not wear.",
@@ -102,7 +111,9 @@ inline void bind_tag_tracker(py::module_& m) {
       .def(
           "read",
           [](const TagTracker& tracker, const py::array& image, int id, const Registration& registration) {
-            return value_or_refusal(tracker.read(image_view(image), tag_with(tracker, id), registration));
+            return value_or_refusal(unlocked([&, view = image_view(image), tag = tag_with(tracker, id)] {
+              return tracker.read(view, tag, registration);
+            }));
           },
           "The TagMeasurement if the fitted tag is that one and passes the gates, else the TagRefusal. KeyError on an\n"
           "id that the body does not wear.",
@@ -111,7 +122,8 @@ inline void bind_tag_tracker(py::module_& m) {
           "track",
           [](const TagTracker& tracker, const py::array& image, const TagPrediction& prediction,
              const Appearance& expected) {
-            return value_or_refusal(tracker.track(image_view(image), prediction, expected));
+            return value_or_refusal(
+                unlocked([&, view = image_view(image)] { return tracker.track(view, prediction, expected); }));
           },
           "search(), align() and read() in a row: a TagMeasurement, or the TagRefusal. image: (H, W) uint8.",
           py::arg("image"), py::arg("prediction"), py::kw_only(), py::arg_v("expected", Appearance{}, "Appearance()"));

@@ -43,7 +43,7 @@ PYBIND11_MODULE(vision, m) {
   py::module_::import("pilotfish.core");
 
   py::class_<TagFamily>(m, "TagFamily", "One of libapriltag's families, for drawing its tags.")
-      .def(py::init<const std::string&>(), py::arg("name"),
+      .def(py::init<const std::string&>(), py::arg("name"), py::call_guard<py::gil_scoped_release>(),
            "name: tag36h11, tag36h10, tag25h9, tag16h5, tagStandard41h12, tagStandard52h13, tagCircle21h7, "
            "tagCircle49h12 or tagCustom48h12. ConfigError (leader.family) on any other.")
       .def_property_readonly("size", &TagFamily::size, "ids run from 0 to size - 1")
@@ -71,7 +71,7 @@ PYBIND11_MODULE(vision, m) {
                     "number of tags with a decision margin below min_decision_margin");
   py::class_<TagDetector>(m, "TagDetector", "libapriltag behind a safe edge; one detector serves one thread.")
       .def(py::init<const std::string&, const TagDetectorConfig&>(), py::arg("family") = "tag36h11", py::kw_only(),
-           py::arg("config") = TagDetectorConfig{},
+           py::arg("config") = TagDetectorConfig{}, py::call_guard<py::gil_scoped_release>(),
            "family: a name that TagFamily knows. ConfigError on an unknown one or a parameter out of range.")
       .def_property_readonly("family_size", &TagDetector::family_size, "ids run from 0 to family_size - 1")
       .def("detect", exclusive([](TagDetector& detector, const py::array& image) {
@@ -170,6 +170,7 @@ PYBIND11_MODULE(vision, m) {
       .def(py::init<const CameraModel&, const CameraMounting&, const LeaderBody&, const LeaderObserverConfig&>(),
            py::kw_only(), py::arg("camera"), py::arg("mounting") = CameraMounting{}, py::arg("body"),
            py::arg_v("config", LeaderObserverConfig{}, "LeaderObserverConfig()"),
+           py::call_guard<py::gil_scoped_release>(),
            "camera: of the frames; mounting: camera on the coordinator's base; body: the leader's tags. ConfigError if "
            "any part is not usable.")
       .def("observe", exclusive_unlocked(&LeaderObserver::observe), py::arg("frame"),

@@ -30,6 +30,7 @@ class Experiment:
     bearing_setpoint_deg: float
 
     def scenario(self) -> Scenario:
+        """The Scenario, read anew. ValueError names the key at fault."""
         return Scenario.load(data.path(self.scenario_file))
 
 

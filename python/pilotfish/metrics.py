@@ -41,6 +41,7 @@ class Metrics:
 
     @property
     def settled(self) -> bool:
+        """Whether the distance came to its steady state and stayed there."""
         return self.settling_time_s is not None
 
 

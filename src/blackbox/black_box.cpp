@@ -32,6 +32,7 @@ constexpr milliseconds kIdle{200};
 constexpr milliseconds kLastWords{2000};
 /// Every start holds the whole configuration: after gaps, which mean that the disk is slow, not more often than that.
 constexpr std::int64_t kStartGap_us = 1'000'000;
+constexpr double kLongestGap_us = 9e18;  ///< more is no int64
 constexpr std::int64_t kMegabyte = 1'000'000;
 
 /// Of the robot's channels, ROBOT1_. Throws ConfigError if it has no name.
@@ -43,8 +44,10 @@ std::string prefix_of(const std::string& robot) {
 /// The caller may own the pixels and change them after this returns.
 Frame kept(const Frame& frame) {
   if (frame.pixels_owner || check(frame.image) != Reason::none) return frame;
-  Frame copy = Frame::from_pixels(frame.utime, frame.image.width, frame.image.height,
-                                  {frame.image.data, frame.image.data + frame.image.size_bytes});
+  // The rows and no more: it may be a corner of something much larger.
+  const ImageView& image = frame.image;
+  const std::size_t size_bytes = static_cast<std::size_t>(image.stride_bytes) * (image.height - 1) + image.width;
+  Frame copy = Frame::from_pixels(frame.utime, image.width, image.height, {image.data, image.data + size_bytes});
   copy.image.stride_bytes = frame.image.stride_bytes;
   return copy;
 }
@@ -55,7 +58,9 @@ struct BlackBox::Shared {
   Shared(const config::BlackBoxConfig& config, Start start_of_it)
       : start(std::move(start_of_it)),
         channel_prefix(prefix_of(start.robot)),
-        picture_gap_us(config.picture_rate_hz > 0.0 ? static_cast<std::int64_t>(1e6 / config.picture_rate_hz) : -1),
+        picture_gap_us(config.picture_rate_hz > 0.0
+                           ? static_cast<std::int64_t>(std::min(1e6 / config.picture_rate_hz, kLongestGap_us))
+                           : -1),
         queue(kQueueBytes),
         ring(config.directory, start.robot, wall_utime(),
              {config.total_mb * kMegabyte, config.segment_mb * kMegabyte}) {}

@@ -6,7 +6,9 @@
 
 namespace pilotfish::blackbox {
 
-std::size_t Event::bytes() const { return sizeof(Event) + data.size() + (picture ? picture->image.size_bytes : 0); }
+std::size_t Event::bytes() const {
+  return sizeof(Event) + channel.size() + data.size() + (picture ? picture->image.size_bytes : 0);
+}
 
 InheritingMutex::InheritingMutex() {
   pthread_mutexattr_t attributes;

@@ -19,6 +19,9 @@ namespace fs = std::filesystem;
 constexpr const char* kListName = "frames.csv";
 constexpr std::size_t kMaxListBytes = std::size_t{64} << 20;  // half a million pictures, five hours
 
+/// No double beyond fits into an int64.
+constexpr double kMaxUtime_us = 9.2e18;
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// Takes the run of digits at the front of `text`, without leading zeros.
@@ -97,6 +100,8 @@ std::vector<ListedPicture> in_natural_order(const fs::path& directory, double fr
   std::sort(pictures.begin(), pictures.end(), [](const ListedPicture& a, const ListedPicture& b) {
     return natural_less(a.path.filename().string(), b.path.filename().string());
   });
+  if ((static_cast<double>(pictures.size()) - 1.0) * 1e6 / frame_rate_hz >= kMaxUtime_us)
+    throw CaptureError("the frame rate " + std::to_string(frame_rate_hz) + " Hz is too low to give pictures a time");
   // From the start each time, so that the rounding to microseconds does not add up.
   for (std::size_t i = 0; i < pictures.size(); ++i)
     pictures[i].utime = std::llround(static_cast<double>(i) * 1e6 / frame_rate_hz);

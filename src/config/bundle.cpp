@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "pilotfish/config/yaml_section.hpp"
@@ -17,13 +16,6 @@ constexpr std::array<const char*, 4> kFileKeys = {"camera.calibration", "leader"
 constexpr const char* kConfig = "config";
 constexpr const char* kTuningOption = "--tuning";
 
-std::string read_text(const std::filesystem::path& file, const std::string& key) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw ConfigError(key, "cannot read " + file.string());
-  return text;
-}
-
 /// The value of a dotted key; an undefined node if it is not there.
 YAML::Node node_at(const YAML::Node& root, const std::string& key) {
   const std::size_t dot = key.find('.');
@@ -32,12 +24,9 @@ YAML::Node node_at(const YAML::Node& root, const std::string& key) {
 }
 
 YAML::Node parsed(const std::string& text, const std::string& name) {
-  try {
-    YAML::Node root = YAML::Load(text);
-    if (root.IsMap()) return root;
-  } catch (const YAML::Exception&) {
-  }
-  throw ConfigError("file", name + " is not a YAML mapping (key: value)");
+  YAML::Node root = parse_yaml(text, "file", name);
+  if (!root.IsMap()) throw ConfigError("file", name + " is not a YAML mapping (key: value)");
+  return root;
 }
 
 /// A section of `control` that the law does not read would be tuned for nothing: most likely the file is another
@@ -91,22 +80,22 @@ void apply(const ConfigOverrides& overrides, control::FollowerConfig& config) {
   if (overrides.profile) config.profile = control::profile_from(*overrides.profile);
   if (!overrides.tuning) return;
   load_tuning(*overrides.tuning, config);
-  check_tuning_is_used(parsed(read_text(*overrides.tuning, kTuningOption), *overrides.tuning), config);
+  check_tuning_is_used(parsed(read_text_file(*overrides.tuning, kTuningOption).text, *overrides.tuning), config);
 }
 
 void apply(const ConfigOverrides& overrides, CoordinatorFile& file) { apply(overrides, file.coordinator.control); }
 
 ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverrides& overrides) {
-  ConfigBundle bundle{{{kConfig, file.string(), read_text(file, "file")}}, overrides};
+  ConfigBundle bundle{{{kConfig, file.string(), read_text_file(file).text}}, overrides};
   const YAML::Node root = parsed(bundle.files.front().text, file.string());
   for (const std::string key : kFileKeys) {
     const YAML::Node node = node_at(root, key);
     if (!node.IsDefined() || !node.IsScalar()) continue;
     const std::filesystem::path path = file.parent_path() / node.Scalar();  // an absolute one stays as it is
-    bundle.files.push_back({key, path.string(), read_text(path, key)});
+    bundle.files.push_back({key, path.string(), read_text_file(path, key).text});
   }
   if (overrides.tuning)
-    bundle.files.push_back({kTuningOption, *overrides.tuning, read_text(*overrides.tuning, kTuningOption)});
+    bundle.files.push_back({kTuningOption, *overrides.tuning, read_text_file(*overrides.tuning, kTuningOption).text});
   return bundle;
 }
 
@@ -115,12 +104,11 @@ CoordinatorFile load_bundle(const ConfigBundle& bundle) {
   ConfigOverrides overrides = bundle.overrides;
   overrides.tuning.reset();
   YAML::Node root;
+  for (const ConfigText& file : bundle.files)  // first, whatever the order: the others take their place in it
+    if (file.role == kConfig) root = parsed(file.text, file.name);
   for (std::size_t i = 0; i < bundle.files.size(); ++i) {
     const ConfigText& file = bundle.files[i];
-    if (file.role == kConfig) {
-      root = parsed(file.text, file.name);
-      continue;
-    }
+    if (file.role == kConfig) continue;
     const std::string name = local_name(i, file);
     const std::filesystem::path path = folder.write(name, file.text);
     if (file.role == kTuningOption) {

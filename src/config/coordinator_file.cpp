@@ -65,7 +65,9 @@ void load_tuning(const std::filesystem::path& path, control::FollowerConfig& con
 }
 
 void parse_tuning(const TextFile& text, control::FollowerConfig& config) {
-  read_control(YamlSection::parse(text), config);
+  control::FollowerConfig tuned = config;  // all of it or nothing
+  read_control(YamlSection::parse(text), tuned);
+  config = std::move(tuned);
 }
 
 CoordinatorFile load_coordinator(const std::filesystem::path& path) { return parse_coordinator(read_text_file(path)); }

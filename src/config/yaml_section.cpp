@@ -55,7 +55,9 @@ YAML::Node parse_yaml(const std::string& text, const std::string& key, const std
     throw ConfigError(key, path.string() + " is not valid YAML: brackets in brackets, more than " +
                                std::to_string(kMaxNesting) + " deep");
   try {
-    return YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) throw ConfigError(key, path.string() + " holds more than one YAML document (---)");
+    return documents.empty() ? YAML::Node() : documents.front();
   } catch (const YAML::Exception& problem) {
     throw ConfigError(key, path.string() + " is not valid YAML: " + problem.what());
   }

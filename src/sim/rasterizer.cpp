@@ -97,7 +97,8 @@ void trace(const CameraModel& camera, const Outline& outline, Facet& facet, std:
 std::vector<Facet> facets_of(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies,
                              std::vector<std::uint8_t>& crossed) {
   std::vector<Facet> facets;
-  for (const VisibleBody& body : bodies)
+  for (const VisibleBody& body : bodies) {
+    if (body.surfaces == nullptr) continue;
     for (const Surface& surface : *body.surfaces) {
       const Eigen::Vector3d centre = body.cMo * surface.centre_m;
       const Eigen::Vector3d a = body.cMo.linear() * surface.half_a_m, b = body.cMo.linear() * surface.half_b_m;
@@ -116,6 +117,7 @@ std::vector<Facet> facets_of(const CameraModel& camera, const RayGrid& grid, con
       trace(camera, outline, facet, crossed);
       if (facet.left < facet.right && facet.top < facet.bottom) facets.push_back(facet);
     }
+  }
   return facets;
 }
 

@@ -12,8 +12,9 @@ void write_recording_header(std::ostream& csv) {
 }
 
 void write_recording_row(std::ostream& csv, const World& world, const std::string& robot, const Answer& answer) {
+  const UnicycleState own = world.state(robot);  // checks the name
   const std::string& leader = world.scenario().find(robot)->follows;
-  const UnicycleState own = world.state(robot), other = world.state(leader);
+  const UnicycleState other = world.state(leader);
   const RelativePose truth = world.true_relative_pose(robot);
   const std::streamsize precision = csv.precision(std::numeric_limits<double>::max_digits10);
   csv << world.time_s() << ',' << world.utime() << ',' << robot << ',' << leader;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "background.hpp"
 #include "noise.hpp"
@@ -57,6 +58,7 @@ const CameraModel& Renderer::camera() const { return optics_->camera; }
 const Imperfections& Renderer::imperfections() const { return optics_->imperfections; }
 
 std::vector<std::uint8_t> Renderer::render(const std::vector<View>& instants, std::uint64_t noise_seed) const {
+  if (instants.empty()) throw std::invalid_argument("a picture of no instant at all");
   const CameraModel& camera = optics_->camera;
   std::vector<std::vector<Gray16>> sharp;
   for (const View& view : instants) {

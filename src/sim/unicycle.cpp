@@ -8,12 +8,12 @@ namespace pilotfish::sim {
 Unicycle::Unicycle(const DriveConfig& drive, const Pose2& start) : drive_(drive) { state_.pose = start; }
 
 void Unicycle::advance(const Twist& command, double duration_s) {
+  if (!is_finite(command) || !(duration_s > 0.0) || !std::isfinite(duration_s)) return;
   const double linear = std::clamp(command.linear_mps, -drive_.max_linear_mps, drive_.max_linear_mps);
   const double angular = std::clamp(command.angular_radps, -drive_.max_angular_radps, drive_.max_angular_radps);
   // Equal steps, so that none is a rounding error long.
   const long steps = std::max(1L, std::lround(std::ceil(duration_s / kSubStep_s - 1e-9)));
   const double dt_s = duration_s / static_cast<double>(steps);
-  if (!(dt_s > 0.0)) return;
   for (long step = 0; step < steps; ++step) {
     Twist mean;
     mean.linear_mps = follow_set_value(state_.twist.linear_mps, set_value_.linear_mps, linear,

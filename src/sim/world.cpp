@@ -47,7 +47,7 @@ bool World::command(const std::string& name, const Twist& twist, double effectiv
 }
 
 void World::advance_to(double time_s) {
-  if (!(time_s > time_s_) || !std::isfinite(time_s)) return;
+  if (!(time_s > time_s_ && time_s <= kNever_s)) return;
   for (auto& [name, robot] : robots_)
     if (!robot.spec->trajectory) drive(robot, time_s);
   time_s_ = time_s;

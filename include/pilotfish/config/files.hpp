@@ -32,7 +32,7 @@ fuzzy::Controller load_fuzzy_controller(const std::filesystem::path& file);
 fuzzy::Controller parse_fuzzy_controller(const TextFile& file);
 
 /// The keys of the coordinator's section `control` as a file of their own, as `pilotfish tune` writes it; keys that are
-/// not in it stay. Throws ConfigError.
+/// not in it stay. Throws ConfigError, and then everything stays.
 void load_tuning(const std::filesystem::path& file, control::FollowerConfig& config);
 void parse_tuning(const TextFile& file, control::FollowerConfig& config);
 

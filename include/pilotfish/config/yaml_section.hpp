@@ -16,7 +16,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::config {
 
-/// The YAML in a text. Throws ConfigError with `key` if there is none, or if it is nested without end.
+/// The YAML in a text. Throws ConfigError with `key` if there is none or more than one
+/// document, or if it is nested without end.
 YAML::Node parse_yaml(const std::string& text, const std::string& key, const std::filesystem::path& path);
 
 /// One mapping of a YAML file, read strictly: a missing required key, a key of the wrong type, a value out of range and

@@ -27,7 +27,7 @@ struct Imperfections {
 
 /// A body in front of the camera.
 struct VisibleBody {
-  const std::vector<Surface>* surfaces = nullptr;         ///< see surfaces_of(); outlives the call that it is given to
+  const std::vector<Surface>* surfaces = nullptr;         ///< see surfaces_of(); nullptr: none. Outlives the call
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< base frame to camera frame
 };
 
@@ -61,6 +61,7 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;  ///< moved, with its scratch memory
 
   /// The picture, camera.height rows of camera.width bytes: of one instant, or the mean of several (motion blur).
+  /// std::invalid_argument if there is none.
   std::vector<std::uint8_t> render(const std::vector<View>& instants, std::uint64_t noise_seed) const;
 
   const CameraModel& camera() const;           ///< size and lens

@@ -41,7 +41,7 @@ class World {
   /// From effective_time_s on this is the robot's command, until a newer one takes effect. A time in the past
   /// means now. Refused (false): a twist or time that is not finite, or a robot that drives a trajectory.
   bool command(const std::string& robot, const Twist& twist, double effective_time_s);
-  /// Advances all robots. A time in the past changes nothing.
+  /// Advances all robots. A time in the past, or one that is not finite or beyond kNever_s, changes nothing.
   void advance_to(double time_s);
 
   /// A robot's pose and twist now.

@@ -22,6 +22,8 @@ _SEGMENT = re.compile(r"(?P<robot>\w+)-(?P<start>\d+)-(?P<number>\d+)\.lcmlog")
 
 @dataclass(frozen=True)
 class Event:
+    """One event of a recording, with the place in its file at which it begins [bytes]."""
+
     file: Path
     offset: int
     utime: int  # wall clock, when it was recorded
@@ -46,6 +48,10 @@ def events_in(path: str | Path, robot: str | None = None) -> Iterator[Event | Da
 
 
 def files_in(path: Path, robot: str | None = None) -> list[Path]:
+    """The files of a recording, oldest first; a file is its own recording.
+
+    MissingFileError if there are none, RecordingError if several robots are recorded there and none is named.
+    """
     if path.is_file():
         return [path]
     if not path.is_dir():

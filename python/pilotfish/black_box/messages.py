@@ -15,12 +15,14 @@ COPY_MARK = "pilotfish_copy"
 
 
 def bundle_of(start: box_start_t) -> ConfigBundle:
+    """The configuration that a start holds: its files, and what the command line said instead."""
     files = [ConfigText(role=file.role, name=file.name, text=bytes(file.data)) for file in start.files]
     said = dict(override.partition("=")[::2] for override in start.overrides)
     return ConfigBundle(files, ConfigOverrides(law=said.get("law"), profile=said.get("profile")))
 
 
 def held_of(message: held_t) -> HeldCommand:
+    """The HeldCommand that a message tells of, to the bit."""
     return HeldCommand(
         utime=message.utime,
         command=core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps),
@@ -83,15 +85,18 @@ def bits(*numbers: float) -> bytes:
 
 
 def twist_bits(twist: core.Twist) -> bytes:
+    """Speed and turn rate as bytes: equal for the same bits only, NaN included."""
     return bits(twist.linear_mps, twist.angular_radps)
 
 
 def held_key(held: HeldCommand) -> tuple[object, ...]:
+    """All of a HeldCommand, comparable to the bit."""
     flags = (held.holding, held.run, held.ever_measured)
     return (held.utime, twist_bits(held.command), held.from_us, held.until_us, *flags)
 
 
 def observation_key(observation: core.Observation | None) -> tuple[object, ...] | None:
+    """All of an Observation, comparable to the bit; None for none."""
     if observation is None:
         return None
     o, m = observation, observation.measured

@@ -45,6 +45,8 @@ class Difference:
 
 @dataclass
 class ReplayReport:
+    """What a replay has compared, and where it found something else."""
+
     programs: list[str] = field(default_factory=list)
     starts: int = 0  # places to replay from, of which the first of a run is one
     calls: int = 0

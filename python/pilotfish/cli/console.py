@@ -32,6 +32,7 @@ class SysexitsGroup(typer.core.TyperGroup):
     """Ends with 64 on a wrong command line, as the C++ programs do and sysexits.h says; click ends with 2."""
 
     def main(self, *args: Any, **options: Any) -> Any:
+        """As click's, with the exit code translated."""
         try:
             return super().main(*args, **options)
         except SystemExit as end:

@@ -24,17 +24,23 @@ def between(low: float, high: float, unit: str = "") -> Callable[[float | None],
 
 
 class Which(str, Enum):
+    """The experiments that a command can be told to run."""
+
     line = "line"
     circle = "circle"
     both = "both"
 
 
 class Profile(str, Enum):
+    """How the fuzzy law drives."""
+
     paper = "paper"
     anticipate = "anticipate"
 
 
 class Profiles(str, Enum):
+    """The same, or both in turn."""
+
     paper = "paper"
     anticipate = "anticipate"
     both = "both"

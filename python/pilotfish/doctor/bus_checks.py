@@ -20,6 +20,7 @@ class Channel:
     unreadable: int = 0
 
     def heard(self, channel: str, data: bytes) -> None:
+        """Counts a message, and whose command it is if it is one."""
         from pilotfish.lcmtypes.pilotfish import command_t
 
         self.messages += 1
@@ -81,6 +82,7 @@ def _summary(heard: dict[str, Channel], seconds: float) -> Finding:
 
 
 def check_bus(url: str, seconds: float) -> list[Finding]:
+    """What goes over the bus at ``url`` within ``seconds`` [s]; a note if it cannot be listened to."""
     try:
         return findings_of(listen(url, seconds), seconds)
     except ImportError:

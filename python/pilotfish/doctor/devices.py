@@ -10,6 +10,7 @@ from pilotfish.doctor.host import Host
 
 
 def check_cameras(host: Host) -> Finding:
+    """Whether there is a camera, and whether this user may open it."""
     devices = host.find("/dev", "video[0-9]*")
     return _check(host, "camera", devices, "video", lambda device: _camera_name(host, device))
 

@@ -21,6 +21,7 @@ class Host:
     root: Path = Path("/")
 
     def path(self, name: str) -> Path:
+        """Where the file ``name``, absolute on the host, really is."""
         return self.root / name.lstrip("/")
 
     def read(self, name: str) -> str | None:
@@ -31,9 +32,11 @@ class Host:
             return None
 
     def find(self, folder: str, pattern: str) -> list[Path]:
+        """Files of a folder whose names match, sorted; empty if there is no such folder."""
         return sorted(self.path(folder).glob(pattern))
 
     def may_use(self, file: Path) -> bool:
+        """Whether this user may read and write it."""
         return os.access(file, os.R_OK | os.W_OK)
 
     def run(self, command: Sequence[str | Path]) -> subprocess.CompletedProcess[str] | None:
@@ -46,6 +49,7 @@ class Host:
             return None
 
     def is_root(self) -> bool:
+        """Whether this process has root's rights."""
         return os.geteuid() == 0
 
     def limit(self, which: int) -> int:
@@ -53,6 +57,7 @@ class Host:
         return resource.getrlimit(which)[0]
 
     def free_bytes(self, folder: Path) -> int:
+        """Free space of the file system that the folder is on [bytes]. OSError if there is no such folder."""
         return shutil.disk_usage(folder).free
 
     def clock_is_synchronized(self) -> bool | None:

@@ -24,6 +24,8 @@ WANTED_IMAGES = 4  # "a few": what may arrive while the reader is busy with one
 
 @dataclass(frozen=True)
 class Group:
+    """A multicast group of LCM, by default its own."""
+
     address: str = "239.255.76.67"
     port: int = 7667
 

@@ -22,6 +22,7 @@ PROGRAMS = {  # name -> needed on a robot
 def check_program(
     host: Host, name: str, needed: bool, find: Callable[[str], Path] = find_executable, version: str = __version__
 ) -> Finding:
+    """Whether the program is there, runs, and is of this version."""
     try:
         file = find(name)
     except ExecutableNotFoundError:

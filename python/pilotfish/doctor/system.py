@@ -19,6 +19,7 @@ _FAST_CLOCKS = {"tsc", "arch_sys_counter", "kvm-clock", "hyperv_clocksource_tsc_
 
 
 def check_real_time(host: Host) -> Finding:
+    """Whether the programs may have a real-time priority and lock their memory."""
     if host.is_root():
         return ok("real time", "allowed (root)")
     priority, memory = host.limit(resource.RLIMIT_RTPRIO), host.limit(resource.RLIMIT_MEMLOCK)
@@ -35,6 +36,7 @@ def check_real_time(host: Host) -> Finding:
 
 
 def check_clock(host: Host) -> Finding:
+    """Whether the kernel's clock is quick to read."""
     source = host.read("/sys/devices/system/clocksource/clocksource0/current_clocksource")
     if source is None:
         return note("clock source", "cannot be read here")
@@ -44,6 +46,7 @@ def check_clock(host: Host) -> Finding:
 
 
 def check_time(host: Host) -> Finding:
+    """Whether the time of day is kept by somebody."""
     synchronized = host.clock_is_synchronized()
     if synchronized is None:
         return note("time of day", "whether it is synchronized cannot be read here")
@@ -57,6 +60,7 @@ def check_time(host: Host) -> Finding:
 
 
 def check_disk(host: Host, black_box: str = BLACK_BOX) -> Finding:
+    """Whether there is room for a black box."""
     folder = host.path(black_box)
     while not folder.is_dir() and folder != folder.parent:
         folder = folder.parent
@@ -69,6 +73,7 @@ def check_disk(host: Host, black_box: str = BLACK_BOX) -> Finding:
 
 
 def check_firewall(host: Host) -> Finding:
+    """Whether other hosts can send to the bus."""
     shown = host.run(["nft", "-j", "list", "table", "inet", "pilotfish"])
     if shown is None:
         return note("firewall", "no nft here: who else may send to the bus is not known", "apt-get install nftables")

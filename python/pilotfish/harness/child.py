@@ -58,9 +58,11 @@ class Child:
             time.sleep(_POLL_S)
 
     def stdout(self) -> str:
+        """What it has written to its standard output so far."""
         return self.stdout_file.read_text(errors="replace")
 
     def stderr(self) -> str:
+        """What it has written to its standard error so far."""
         return self.stderr_file.read_text(errors="replace")
 
     def error(self, problem: str) -> HarnessError:

@@ -44,6 +44,7 @@ class DrawnObservations:
         self._random = np.random.default_rng(self.seed)
 
     def look(self, world: sim.World, robot: str) -> core.Observation | None:
+        """What the robot sees now, with drawn errors; None if the leader is hidden or beyond the edge of the view."""
         distance_m, bearing_rad, heading_rad = world.true_relative_pose(robot)
         covariance = self.noise.covariance(distance_m)
         errors = self.scale * self._random.standard_normal(3) * np.sqrt(np.diag(covariance))
@@ -60,4 +61,5 @@ class DrawnObservations:
         )
 
     def answer(self, world: sim.World, robot: str, driver: coordinator.Coordinator) -> coordinator.StepResult:
+        """The StepResult of ``driver`` for what it sees now."""
         return driver.step_observation(world.utime, self.look(world, robot), world.utime)

@@ -40,6 +40,7 @@ class Driving:
 
     @property
     def law(self) -> str:
+        """Name of the law that drives, as in --law."""
         return "fuzzy" if self.name in PROFILES else self.name
 
     def options(self) -> list[str | Path]:

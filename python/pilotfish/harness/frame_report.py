@@ -32,10 +32,12 @@ class FrameReport(_Fields):
 
     @classmethod
     def from_step(cls, result: StepResult) -> FrameReport:
+        """Of a frame that was answered in this process."""
         return cls._from_values(step_values(result))
 
     @classmethod
     def from_json(cls, line: str) -> FrameReport:
+        """Of a line of pilotfish-coordinator --json. HarnessError if it is none."""
         try:
             return cls._from_values(json.loads(line))
         except (json.JSONDecodeError, KeyError, TypeError) as error:

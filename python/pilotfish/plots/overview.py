@@ -26,6 +26,7 @@ class Summary:
 
     @property
     def last(self) -> Recording:
+        """The run that was made last: the one that is drawn in the paths."""
         return list(self.runs.values())[-1]
 
 

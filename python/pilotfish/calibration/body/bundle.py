@@ -66,6 +66,7 @@ class Bundle:
         self._row_starts = np.concatenate([[0], np.cumsum(self._present.sum(axis=1))])
 
     def estimate(self, x: np.ndarray) -> Estimate:
+        """The poses and sizes that the unknowns x (U,) stand for."""
         frame_steps, tag_steps, log_scale = self._split(x)
         rMt = moved(self._start.rMt, tag_steps)
         return Estimate(moved(self._start.cMr, frame_steps), rMt, self._start.log_scale + log_scale)
@@ -91,6 +92,7 @@ class Bundle:
         return (pixels - self._sightings.corners_px).ravel()
 
     def jacobian(self, x: np.ndarray) -> csr_array:
+        """(8 S, U), sparse: the derivative of residuals() at x (U,) [px per m, rad or unit of log size]."""
         s, estimate = self._sightings, self.estimate(x)
         frame_steps, tag_steps, _ = self._split(x)
         on_tag, on_body, in_camera = self._corners(estimate)

@@ -26,6 +26,8 @@ MANY_DROPPED = 0.2
 
 @dataclass(frozen=True)
 class LearnedTag:
+    """How well one tag of the body is known."""
+
     id: int
     used: int  # sightings
     dropped: int  # sightings that did not fit
@@ -38,11 +40,14 @@ class LearnedTag:
 
     @property
     def rotation_sigma_rad(self) -> float:
+        """Of its orientation: the root of the sum over the three axes [rad]."""
         return float(np.sqrt(np.trace(self.covariance[3:, 3:])))
 
 
 @dataclass(frozen=True)
 class LearnedBody:
+    """A body as pictures show it, and how far it is to be believed."""
+
     body: LeaderBody
     reference_id: int
     frames_used: int

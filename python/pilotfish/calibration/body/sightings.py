@@ -25,6 +25,7 @@ class TagSizes:
     by_id: Mapping[int, float] | None = None
 
     def of(self, tag_id: int) -> float | None:
+        """Side of that tag's black square [m]; None if it is not known."""
         return (self.by_id or {}).get(tag_id, self.default_m)
 
 
@@ -47,6 +48,7 @@ class Sightings:
 
     @property
     def frame_count(self) -> int:
+        """N; 0 without sightings."""
         return int(self.frame.max()) + 1 if len(self) else 0
 
     @property

@@ -19,6 +19,8 @@ MOST_TILT = 0.6  # the camera's down axis against the turning axis: some 50 degr
 
 @dataclass(frozen=True)
 class TurningAxis:
+    """The axis about which a body turned, as its reference tag and the camera have it."""
+
     up: np.ndarray  # (3,) unit vector n in the reference tag's frame
     origin_m: np.ndarray  # (3,) the point o in it, at the height of the reference tag's centre
     up_c: np.ndarray  # (3,) unit vector m in the camera's frame
