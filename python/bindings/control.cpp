@@ -98,7 +98,14 @@ void bind_estimator(py::module_& m) {
       .def("reset", &LeaderMotionEstimator::reset, "Forgets the leader; the next update begins anew.")
       .def_property_readonly("started", &LeaderMotionEstimator::started, "True once there is an estimate")
       .def("at", &LeaderMotionEstimator::at, py::arg("utime"), "LeaderEstimate, not before the last update.")
-      .def_property_readonly("probabilities", &LeaderMotionEstimator::probabilities, "of calm, steering, jolt");
+      .def_property_readonly("probabilities", &LeaderMotionEstimator::probabilities,
+                             "of the modes: quiescent, manoeuvre, abrupt")
+      .def_property_readonly(
+          "excess_sigma",
+          [](const LeaderMotionEstimator& self) { return DoubleArray(3, self.noise().excess_sigma().data()); },
+          "(3,): what the measurements scatter beyond their covariance, as learned so far: along the line of sight "
+          "[m], "
+          "across it [m], of the heading [rad]");
   m.def(
       "seen_from",
       [](const std::array<double, 3>& own, const LeaderEstimate& leader) {

@@ -112,6 +112,8 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
   if (!z.mean.allFinite() || !z.covariance.allFinite() ||
       Eigen::LLT<Eigen::Matrix3d>(z.covariance).info() != Eigen::Success)
     return Outcome::unusable;
+  noise_.add({seen.utime, z.mean, z.covariance, b});
+  z.covariance += noise_.excess_covariance(b);
   const Measurement first = z;
 
   if (!started_) {

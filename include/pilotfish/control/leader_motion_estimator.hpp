@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pilotfish/api.hpp"
+#include "pilotfish/control/measurement_noise.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/planar_motion.hpp"
@@ -71,7 +72,10 @@ class LeaderMotionEstimator {
   /// One measurement, taken when the coordinator was at `own` (in its odometry frame), with its own covariance. A
   /// covariance or a number that is not finite is `unusable` and changes nothing.
   Outcome update(const Observation& observation, const Pose2& own) noexcept;
-  void reset() noexcept { started_ = false; }  ///< without a leader again
+  void reset() noexcept {  ///< without a leader again; the learned noise stays
+    started_ = false;
+    noise_.interrupt();
+  }
 
   bool started() const { return started_; }      ///< there is an estimate
   std::int64_t utime() const { return utime_; }  ///< of the last update
@@ -79,10 +83,12 @@ class LeaderMotionEstimator {
   LeaderEstimate at(std::int64_t utime) const noexcept;
   /// Mode probabilities: quiescent, manoeuvre, abrupt.
   const std::array<double, 3>& probabilities() const { return probability_; }
+  /// What the measurements scatter beyond their claimed covariance, as learned so far.
+  const MeasurementNoise& noise() const { return noise_; }
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.modes_, self.probability_, self.utime_, self.started_, self.outliers_);
+    archive(self.modes_, self.probability_, self.utime_, self.started_, self.outliers_, self.noise_);
   }
 
  private:
@@ -101,6 +107,7 @@ class LeaderMotionEstimator {
   std::int64_t utime_ = 0;
   bool started_ = false;
   int outliers_ = 0;
+  MeasurementNoise noise_;
 };
 
 /// The leader relative to a pose of the coordinator: the law's input.

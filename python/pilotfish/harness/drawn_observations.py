@@ -39,6 +39,8 @@ class DrawnObservations:
     noise: ObservationNoise = field(default_factory=ObservationNoise)
     scale: float = 1.0  # of the noise; what is claimed stays
     half_view_rad: float = np.radians(26.0)  # the camera's, less half a tag
+    vibration_rad: float = 0.0  # standard deviation of the camera's pitch and of its roll; no covariance claims it
+    vibration_hz: float | None = None  # of a sine; None: white, new in every frame
 
     def __post_init__(self) -> None:
         self._random = np.random.default_rng(self.seed)
@@ -48,6 +50,7 @@ class DrawnObservations:
         distance_m, bearing_rad, heading_rad = world.true_relative_pose(robot)
         covariance = self.noise.covariance(distance_m)
         errors = self.scale * self._random.standard_normal(3) * np.sqrt(np.diag(covariance))
+        errors += self._shaken(world, robot, distance_m)
         leader = world.scenario.robot(world.scenario.robot(robot).follows)
         hidden = leader.visibility.hidden_from_s <= world.time_s < leader.visibility.hidden_until_s
         if hidden or abs(bearing_rad) > self.half_view_rad:
@@ -59,6 +62,19 @@ class DrawnObservations:
             heading_rad=heading_rad + errors[2],
             covariance=covariance,
         )
+
+    def _shaken(self, world: sim.World, robot: str, distance_m: float) -> np.ndarray:
+        """Errors of (d, theta, psi). The origin lies on the ground, h below the camera: a pitch moves it by h times
+        that angle along the line of sight, a roll as much across it."""
+        if not self.vibration_rad:
+            return np.zeros(3)
+        if self.vibration_hz is None:
+            pitch, roll = self.vibration_rad * self._random.standard_normal(2)
+        else:  # a sine's standard deviation is its amplitude over sqrt(2); the two are not in step
+            phase = 2 * np.pi * self.vibration_hz * world.time_s
+            pitch, roll = np.sqrt(2) * self.vibration_rad * np.sin([phase, phase + 1.0])
+        height_m = world.scenario.robot(robot).camera.mounting.position_m[2]
+        return height_m * np.array([pitch, roll / distance_m, 0.0])
 
     def answer(self, world: sim.World, robot: str, driver: coordinator.Coordinator) -> coordinator.StepResult:
         """The StepResult of ``driver`` for what it sees now."""
