@@ -115,20 +115,40 @@ def test_as_the_widths_vanish_the_output_tends_to_that_of_singletons(controller,
         assert abs(wide.output - singleton.output) < 50 * width * (1 if shape == TRIANGLE else 6)
 
 
+def assert_equation_6(data, controller, e, ec, widths):
+    """Against the search for the best match; an input without a width has the degree of its value."""
+
+    def degrees(name, x, width):
+        specs = data[name]["terms"].values()
+        if width == 0.0:
+            return [fuzzy_reference.degree(spec, x) for spec in specs]
+        return [best_match(spec, x, width, widths.shape) for spec in specs]
+
+    table = controller.rules.consequents
+    strengths = np.minimum.outer(degrees("E", e, widths.error), degrees("EC", ec, widths.error_change))
+    term_strengths = [strengths[table == k].max() for k in range(7)]
+    area, first = fuzzy_reference.moments(list(data["U"]["terms"].values()), term_strengths)
+    inference = fuzzy.infer(controller, e, ec, widths)
+    np.testing.assert_allclose(inference.strengths, strengths.ravel(), rtol=0, atol=1e-12)
+    assert inference.output == pytest.approx(first / area, abs=1e-10)
+
+
 @pytest.mark.parametrize("shape", [TRIANGLE, GAUSSIAN])
 def test_inference_with_widths_is_equation_6(data, shape):
     controller = make_controller(data)
     rng = np.random.default_rng(12)
-    table = controller.rules.consequents
     for e, ec, we, wec in zip(*rng.uniform(-1, 1, (2, 6)), *rng.uniform(0.02, 0.6, (2, 6)), strict=True):
-        rows = [best_match(spec, e, we, shape) for spec in data["E"]["terms"].values()]
-        columns = [best_match(spec, ec, wec, shape) for spec in data["EC"]["terms"].values()]
-        strengths = np.minimum.outer(rows, columns)
-        term_strengths = [strengths[table == k].max() for k in range(7)]
-        area, first = fuzzy_reference.moments(list(data["U"]["terms"].values()), term_strengths)
-        inference = fuzzy.infer(controller, e, ec, fuzzy.InputWidths(we, wec, shape))
-        np.testing.assert_allclose(inference.strengths, strengths.ravel(), rtol=0, atol=1e-12)
-        assert inference.output == pytest.approx(first / area, abs=1e-10)
+        assert_equation_6(data, controller, e, ec, fuzzy.InputWidths(we, wec, shape))
+
+
+@pytest.mark.parametrize(("we", "wec"), [(0.5, 0.0), (0.0, 0.5)])
+def test_one_wide_input_beside_a_singleton_is_equation_6(data, we, wec):
+    # The wide one fires terms that no stretch of the singleton knows of, so every term of the output may count; at the
+    # ends of the universe, where a stretch is a single point, as well.
+    controller = make_controller(data)
+    inside = np.random.default_rng(13).uniform(-1, 1, (6, 2))
+    for e, ec in [*inside, (-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]:
+        assert_equation_6(data, controller, e, ec, fuzzy.InputWidths(we, wec, TRIANGLE))
 
 
 def test_a_batch_with_widths_gives_the_same_bits_as_one_at_a_time(controller):
