@@ -101,7 +101,7 @@ def test_over_200_leaders_that_obey_the_model_the_error_is_as_large_as_it_says(f
 
 @pytest.mark.parametrize("frame", [30, 60])
 def test_over_200_leaders_the_error_is_never_larger_than_it_says(frame):
-    """A leader that walks at random from frame to frame, seconds on end, as the abrupt mode does, scatters like a camera
+    """A leader that walks at random from frame to frame for seconds, as the abrupt mode does, scatters like a camera
     that vibrates, and is taken for that: the estimate claims less than it knows, and not more. Of leaders without that
     mode it claims at most a quarter less."""
     _, high = chi2.ppf([0.0005, 0.9995], 1200) / 200

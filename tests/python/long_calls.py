@@ -28,7 +28,6 @@ def of_sim() -> Iterator[tuple[str, Callable[[], object]]]:
     scenario = sim.load_scenario(SCENARIO)
     world, clock = sim.World(scenario), itertools.count(1)
     follower = next(robot for robot in scenario.robots if robot.follows)
-    leader = scenario.robot(follower.follows)
     renderer, robot = sim.Renderer(CAMERA), sim.RobotBody(leader=BODY)
     wheels = sim.Unicycle(sim.DriveConfig())
     yield "load_scenario", lambda: sim.load_scenario(SCENARIO)
