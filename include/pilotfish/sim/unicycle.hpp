@@ -45,7 +45,8 @@ class Unicycle {
 
   const UnicycleState& state() const { return state_; }  ///< pose and real twist
   const Twist& set_value() const { return set_value_; }  ///< the driver's ramp
-  /// Executes one constant command for duration_s [s]. A command or time that is not finite, or no time, changes nothing.
+  /// Executes one constant command for duration_s [s]. A command or time that is not finite, or no time, changes
+  /// nothing.
   void advance(const Twist& command, double duration_s);
 
  private:
