@@ -1,7 +1,7 @@
 #pragma once
 
 // What Python expects of a value: ==, copy.copy, copy.deepcopy and pickle, made from the attributes that Python sees.
-// A value that can be changed, or that has arrays in it, has no hash.
+// A value that can be changed has no hash.
 
 #include <pybind11/pybind11.h>
 
@@ -76,10 +76,29 @@ inline void add_copies(const py::object& type, const std::vector<std::string>& c
                   py::name("__reduce__"), py::is_method(type), "How copy and pickle make another one."));
 }
 
+/// Of a value that nobody can change: it can be a key and a default of a dataclass. Of its numbers and texts alone,
+/// which equal values share; lists and arrays do not count.
+inline void add_hash(const py::object& type, const std::vector<std::string>& constructed) {
+  give_method(type, "__hash__",
+              py::cpp_function(
+                  [constructed](const py::object& self) {
+                    py::list scalars;
+                    for (const std::string& name : constructed) {
+                      const py::object value = self.attr(name.c_str());
+                      if (py::isinstance<py::int_>(value) || py::isinstance<py::float_>(value) ||
+                          py::isinstance<py::str>(value))
+                        scalars.append(value);
+                    }
+                    return py::hash(py::tuple(scalars));
+                  },
+                  py::name("__hash__"), py::is_method(type), "Equal values have the same."));
+}
+
 /// A value that its constructor makes from the attributes named `constructed`, by keyword; the others are set.
 inline void make_value(const py::object& type, const std::vector<std::string>& constructed = {}) {
   add_equality(type, [constructed](const py::handle& of) { return with_settable(of, constructed); });
   add_copies(type, constructed);
+  if (!constructed.empty() && properties_of(type, true).empty()) add_hash(type, constructed);
 }
 inline void make_value(const py::module_& module, const char* name, const std::vector<std::string>& constructed = {}) {
   make_value(module.attr(name), constructed);

@@ -78,8 +78,17 @@ def test_a_value_equals_its_copies_and_its_pickle(value):
     for twin in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
         assert twin is not value
         assert twin == value
+        if value.__hash__ is not None:
+            assert hash(twin) == hash(value)
     assert value != "something else"
-    assert value.__hash__ is None
+
+
+def test_what_cannot_be_changed_is_a_key_and_what_can_is_not():
+    assert {CAMERA: "a"}[copy.copy(CAMERA)] == "a"
+    assert hash(core.LeaderBody(tags=[TAG], name="other")) == hash(core.LeaderBody(tags=[TAG], name="other"))
+    for changeable in (core.Setpoint(), core.CameraMounting(), control.LimitsConfig()):
+        with pytest.raises(TypeError, match="unhashable"):
+            hash(changeable)
 
 
 @pytest.mark.parametrize(

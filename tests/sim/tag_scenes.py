@@ -7,6 +7,7 @@ where the side is a straight line; two lines meet in a corner.
 """
 
 import functools
+import pickle
 
 import numpy as np
 
@@ -52,8 +53,12 @@ def render_tag(camera, cMt, imperfections=SHARP, **look):
 
 
 @functools.lru_cache(maxsize=8)
+def _renderer(camera, pickled_imperfections):
+    return sim.Renderer(camera, pickle.loads(pickled_imperfections))
+
+
 def renderer_of(camera, imperfections=SHARP):
-    return sim.Renderer(camera, imperfections)
+    return _renderer(camera, pickle.dumps(imperfections))  # what can be changed is no key
 
 
 def corners_in_camera(cMt):
