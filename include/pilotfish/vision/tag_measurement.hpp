@@ -37,8 +37,8 @@ struct TagOutcome {
   std::optional<T> value;                      ///< nothing if it was refused
   TagRefusal refusal = TagRefusal::not_found;  ///< why
 
-  TagOutcome(const T& found) : value(found) {}
-  TagOutcome(TagRefusal why) : refusal(why) {}
+  TagOutcome(const T& found) : value(found) {}                  ///< a value
+  TagOutcome(TagRefusal why) : refusal(why) {}                  ///< none
   explicit operator bool() const { return value.has_value(); }  ///< there is one
   const T& operator*() const { return *value; }                 ///< only if there is one
   const T* operator->() const { return &*value; }               ///< only if there is one

@@ -36,7 +36,8 @@ class TagTracker {
  public:
   /// How far from its predicted place a tag is searched for, at most, and at most so many of its cells: beyond, a
   /// detection is cheaper and more reliable.
-  static constexpr double kSearch_px = 40.0, kSearch_cells = 4.0;
+  static constexpr double kSearch_px = 40.0;
+  static constexpr double kSearch_cells = 4.0;  ///< the same in cells of the tag
 
   /// Of `detector` the gates on bits are used, which are the same for a tag that is detected and one that is tracked.
   /// Throws ConfigError: an invalid camera or body, an unknown family ("leader.family"), an id that the family
