@@ -32,6 +32,7 @@ void check_is_no_other_word(std::string_view name) {
 bool is_there(const std::vector<LawDescription>& laws, std::string_view name) {
   return std::any_of(laws.begin(), laws.end(), [&](const LawDescription& law) { return law.name == name; });
 }
+
 constexpr Twist kNoTwist{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
 
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from

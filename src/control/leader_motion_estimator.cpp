@@ -123,15 +123,19 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
   const double dt_s = seconds_between(utime_, seen.utime);
   if (!(dt_s > 0.0)) return Outcome::unusable;
 
-  const LeaderMotionEstimator before = *this;
+  // What mix() and correct() change; a copy of everything would take the window of the noise with it.
+  const auto before_modes = modes_;
+  const auto before_probability = probability_;
   mix(dt_s);
-  const LeaderMotionEstimator mixed = *this;
+  const auto mixed_modes = modes_;
+  const auto mixed_probability = probability_;
   const double gate2 = config_.gate_sigma * config_.gate_sigma;
   Outcome outcome = Outcome::updated;
   double distance2 = correct(z, dt_s);
   if (!(distance2 <= gate2)) {
     // The other of the two poses of a flat tag has about the same position: use that alone.
-    *this = mixed;
+    modes_ = mixed_modes;
+    probability_ = mixed_probability;
     z.covariance.row(2).setZero();
     z.covariance.col(2).setZero();
     z.covariance(2, 2) = kNoHeading_rad2;
@@ -139,7 +143,8 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
     distance2 = correct(z, dt_s);
   }
   if (!(distance2 <= gate2)) {
-    *this = before;
+    modes_ = before_modes;
+    probability_ = before_probability;
     if (++outliers_ < config_.max_outliers) return Outcome::outlier;
     start(first, seen.utime);
     return Outcome::restarted;
