@@ -34,7 +34,6 @@ def of_sim() -> Iterator[tuple[str, Callable[[], object]]]:
     yield "World", lambda: sim.World(scenario)
     yield "World.advance_to", lambda: world.advance_to(float(next(clock)))
     yield "World.capture", lambda: world.capture(follower.name)
-    yield "recording_row", lambda: sim.recording_row(world, follower.name, command=core.Twist(), status="")
     yield "Unicycle.advance", lambda: wheels.advance(core.Twist(linear_mps=0.1), 1.0)
     yield "Renderer", lambda: sim.Renderer(CAMERA)
     yield "Renderer.render", lambda: renderer.render([(robot, CMO)])
@@ -103,7 +102,7 @@ def of_files(folder: Path) -> Iterator[tuple[str, Callable[[], object]]]:
     source = capture.open_images(str(folder))
     large = folder / "large"
     large.write_bytes(bytes(1 << 20))
-    pixels = np.full((480, 640), 90, np.uint8)
+    pixels = np.full((4000, 4000), 90, np.uint8)
     yield "open_images", lambda: capture.open_images(str(folder))
     yield "FrameSource.next", source.next
     yield "decode_jpeg", lambda: blackbox.decode_jpeg(jpeg, width=640, height=480, utime=1)
@@ -115,15 +114,12 @@ def of_files(folder: Path) -> Iterator[tuple[str, Callable[[], object]]]:
 def of_recording(folder: Path) -> Iterator[tuple[str, Callable[[], object]]]:
     file = coordinator.load_coordinator(CONFIG)
     bundle, driver = coordinator.bundle_config(CONFIG), coordinator.Coordinator(file.coordinator)
-    result = driver.step(core.Frame(np.zeros((480, 640), np.uint8), utime=1), 1)
     numbers = itertools.count()
 
     def box() -> blackbox.BlackBox:
         place = folder / f"box{next(numbers)}"
         config = coordinator.BlackBoxConfig(directory=str(place), total_mb=10, segment_mb=1)
         return blackbox.BlackBox(config, robot="robot1", coordinator=driver, bundle=bundle)
-
-    kept = box()
 
     def make_and_end() -> None:
         box()
@@ -137,6 +133,4 @@ def of_recording(folder: Path) -> Iterator[tuple[str, Callable[[], object]]]:
         link.handle(0)
 
     yield "BlackBox", make_and_end
-    yield "BlackBox.frame", lambda: kept.frame(1, 0, 1, result, driver)
-    yield "BlackBox.message", lambda: kept.message("ROBOT1_NOTE", bytes(100_000))
     yield "Bus.publish_image, handle", send_and_handle
