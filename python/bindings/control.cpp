@@ -342,6 +342,10 @@ PYBIND11_MODULE(control, m) {
       .def("set_leader_intent", exclusive(&Follower::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
            "used. Profile `anticipate` alone listens.")
+      .def("pause", exclusive(&Follower::pause), py::arg("held_us"),
+           "The last command was held for held_us [us] and has been zero since, because no measurement came. The "
+           "leader's "
+           "estimate goes on for leader_motion.memory_s.")
       .def("restart", exclusive([](Follower& follower, std::int64_t since_utime) {
              follower.restart(since_utime);
              raise_law_exception();

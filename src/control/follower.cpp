@@ -129,10 +129,12 @@ Follower::Follower(FollowerConfig config)
 }
 
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
+  if (paused_) resume(observation.utime);
   // The first measurement after a rest has no predecessor: ec = 0, and the limits count one control period from
   // standstill.
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
+  own_.advance_to(observation.utime);
   FollowerOutput output;
   const Twist wanted_twist = are_finite(observation, setpoint) ? wanted(observation, setpoint, dt_s, output) : kNoTwist;
   last_utime_ = observation.utime;
@@ -141,11 +143,13 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
     output.reason = Reason::law_not_finite;
     return output;
   }
-  output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_, dt_s);
+  output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_,
+                         since_last_command_s(dt_s));
 
   own_.command(output.command, acts_utime(observation.utime));
   last_error_m_ = setpoint.distance_m - observation.distance_m;
   last_command_ = output.command;
+  paused_ = false;
   return output;
 }
 
@@ -169,7 +173,6 @@ Twist Follower::as_published(const Observation& observation, const Setpoint& set
 
 Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
                             double dt_s, FollowerOutput& output) {
-  own_.advance_to(observation.utime);
   if (!leader_.started()) own_.set_origin();
   leader_.update(observation, own_.pose());
   if (!leader_.started()) return published;
@@ -198,9 +201,10 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   wanted.angular_radps = (1.0 - weight) * published.angular_radps + weight * anticipation.wanted.angular_radps;
   const Reaction reaction{config_.limits, delay_s};
   // The guards use the measurement; the leader intent can only make them stricter.
-  wanted.linear_mps = std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
-                                stopping_speed(config_.anticipate, reaction, seen),
-                                eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, dt_s)});
+  wanted.linear_mps =
+      std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
+                stopping_speed(config_.anticipate, reaction, seen),
+                eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, since_last_command_s(dt_s))});
   return keep_in_view(config_.anticipate, config_.view, reaction, seen, wanted);
 }
 
@@ -213,6 +217,25 @@ LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept
 }
 
 std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, config_.drive.latency_s); }
+
+void Follower::pause(std::int64_t held_us) noexcept {
+  if (paused_ || !last_utime_) return;
+  own_.command(Twist{}, later(acts_utime(*last_utime_), held_us));
+  paused_ = true;
+}
+
+/// While the command was zero the driver's set value ramped down. When this frame's command acts it is s, and the drive
+/// takes it from there: so s is the command before, one control period ago.
+void Follower::resume(std::int64_t utime) noexcept {
+  if (seconds_between(*last_utime_, utime) > config_.leader_motion.memory_s) return forget_leader();
+  EgoMotion then = own_;
+  then.advance_to(acts_utime(utime));
+  last_command_ = then.set_value();
+}
+
+double Follower::since_last_command_s(double dt_s) const noexcept {
+  return paused_ ? std::min(dt_s, config_.velocity.control_period_s) : dt_s;
+}
 
 void Follower::restart(std::int64_t since_utime) {
   if (last_utime_) own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
@@ -231,6 +254,7 @@ void Follower::forget_leader() noexcept {
   last_utime_.reset();
   last_error_m_.reset();
   last_command_ = Twist{};
+  paused_ = false;
 }
 
 }  // namespace pilotfish::control

@@ -84,9 +84,8 @@ StampVerdict Coordinator::classify(std::int64_t utime, std::int64_t known_age_us
   const StampVerdict verdict = timeline_.classify(utime, known_age_us, now_);
   if (verdict.new_epoch) begin_epoch();
   held_.utime = timeline_.last_utime().value_or(0);
-  // Between the last measurement and this frame the command was zero: the law starts from rest.
-  if (verdict.reason == Reason::none && !held_.fresh_at(now_))
-    rest(held_.holding ? later(measured_utime_, max_age_us_) : utime);
+  // Between the last measurement and this frame the command was zero.
+  if (verdict.reason == Reason::none && !held_.fresh_at(now_)) pause();
   return verdict;
 }
 
@@ -143,6 +142,12 @@ StepResult Coordinator::not_measured(std::int64_t utime, Reason reason) const no
   StepResult result = command_at(now_, reason);
   result.utime = utime;
   return result;
+}
+
+void Coordinator::pause() noexcept {
+  if (held_.holding) follower_.pause(held_.until.us - held_.from.us);
+  held_.holding = false;
+  held_.command = Twist{};
 }
 
 void Coordinator::rest(std::int64_t since_utime) noexcept {

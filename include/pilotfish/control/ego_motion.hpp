@@ -64,6 +64,8 @@ class EgoMotion {
   Twist twist() const {
     return {twist_.linear_mps + model_error_.linear_mps, twist_.angular_radps + model_error_.angular_radps};
   }
+  /// The driver's ramp, which the wheels follow; of the model.
+  const Twist& set_value() const { return set_value_; }
   EgoMotionSource source() const {  ///< at utime()
     return last_measured_utime_ ? EgoMotionSource::odometry : EgoMotionSource::commanded;
   }

@@ -114,6 +114,10 @@ class Follower {
   /// The leader intent; as set_ego_motion().
   bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.announce(utime, twist); }
 
+  /// The last command was held for held_us [us] and has been zero since, because no measurement came: dropped pictures,
+  /// a short occlusion. The leader's estimate goes on for leader_motion.memory_s after the last measurement; the next
+  /// command starts from the speed to which the wheels have slowed down by then, as dead reckoning has it.
+  void pause(std::int64_t held_us) noexcept;
   /// Resets the law: from since_utime on the command is zero. The next follow() starts with ec = 0 from
   /// rest; dead reckoning goes on, because the wheels still have to come to rest.
   void restart(std::int64_t since_utime);
@@ -122,12 +126,17 @@ class Follower {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.own_, self.leader_, self.intent_, self.last_utime_, self.last_error_m_, self.last_command_);
+    archive(self.own_, self.leader_, self.intent_, self.last_utime_, self.last_error_m_, self.last_command_,
+            self.paused_);
     if (self.other_law_) self.other_law_->remember(archive);
   }
 
  private:
   void forget_leader() noexcept;
+  /// After a pause: the speed from which the command for this frame starts.
+  void resume(std::int64_t utime) noexcept;
+  /// Since the command before this frame's, as the drive's limits count it [s].
+  double since_last_command_s(double dt_s) const noexcept;
   /// The output of the active law, not yet limited.
   Twist wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
   /// The paper's law.
@@ -147,6 +156,7 @@ class Follower {
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;
   Twist last_command_;
+  bool paused_ = false;  ///< the command has been zero since the last measurement expired
 };
 
 }  // namespace pilotfish::control

@@ -28,6 +28,8 @@ struct LeaderMotionConfig {
   PILOTFISH_PARAMETER(double, own_position_sigma, 0.0002, 0.0, 1.0, "error of the own dead reckoning [m per sqrt(s)]");
   PILOTFISH_PARAMETER(double, gate_sigma, 6.0, 3.0, 100.0, "a measurement farther off than this is an outlier");
   PILOTFISH_PARAMETER(int, max_outliers, 3, 1, 30, "this many outliers in a row restart the estimate");
+  PILOTFISH_PARAMETER(double, memory_s, 1.0, 0.0, 10.0,
+                      "for this time after the last measurement the estimate goes on; then it begins anew");
 };
 
 using LeaderVector = Eigen::Matrix<double, 6, 1>;

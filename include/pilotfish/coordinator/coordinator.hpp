@@ -152,6 +152,7 @@ class Coordinator {
   StepResult step_latest(std::int64_t utime, const vision::ObservationResult& sight, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
   StampVerdict classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
+  void pause() noexcept;  ///< the last measurement has expired: the command has been zero since, the estimate goes on
   void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: resets the motion
   void begin_epoch() noexcept;                   ///< earlier measurements and motion are unrelated to the new stamps
 
