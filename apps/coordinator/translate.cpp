@@ -14,7 +14,7 @@ bus::ObservationReport observation_report(const StepResult& result, const StepTi
 namespace {
 
 void fill_from_frame(const StepResult& result, const StepTiming& measured, bus::StatusReport& report) {
-  const auto [step, seen, output, law, leader, timing] = telemetry_sources(result, &measured);
+  const auto [step, seen, output, law, leader, drive, timing] = telemetry_sources(result, &measured);
 #define PILOTFISH_FRAME_FIELD(type, name, unit, source, value, text) \
   if ((source) != nullptr) report.name = static_cast<type>(value);
 #define PILOTFISH_LOOP_FIELD(type, name, unit, value, text)

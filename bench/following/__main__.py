@@ -3,6 +3,7 @@
 Takes: 40 minutes; 1 with --quick.
 scripts/bench following                   5 seeds
 scripts/bench following -- --quick        1 seed, drawn measurements instead of pictures
+scripts/bench following -- --robots       robots and cameras that are not ideal, all laws; 3 minutes
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from robots import measure, table
 from rows import LAWS, SCENARIOS, Figures, Row, make_rows
 
 from pilotfish.harness.driving import BASELINES
@@ -34,10 +36,17 @@ TITLES = {"line": "Fig. 6: leader on a line", "circle": "Fig. 7: leader on a cir
 def main(
     quick: Annotated[bool, typer.Option("--quick", help="One seed, drawn measurements instead of pictures.")] = False,
     seeds: Annotated[int, typer.Option(min=1, help="Runs of each scenario and law.")] = 5,
+    robots: Annotated[bool, typer.Option("--robots", help="Robots that are not ideal, instead.")] = False,
     scenario: Annotated[list[str] | None, typer.Option(help="Only this one (may be repeated).")] = None,
     out: Annotated[Path, typer.Option(help="Folder for following.json, following.png and recordings.")] = Path("out"),
 ) -> None:
     """Compare profile anticipate with the law as published and with tuned baselines, and with its goals."""
+    if robots:
+        rows = measure(seeds)
+        console.print(table(rows))
+        out.mkdir(parents=True, exist_ok=True)
+        (out / "robots.json").write_text(json.dumps(rows, indent=1) + "\n")
+        return
     scenarios = tuple(scenario or SCENARIOS)
     measured, runs = _play_all(scenarios, 1 if quick else seeds, noise=1.0 if quick else None)
     rows = make_rows(measured)

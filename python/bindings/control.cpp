@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "arrays.hpp"
+#include "drive_identifier.hpp"
 #include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
@@ -259,6 +260,7 @@ PYBIND11_MODULE(control, m) {
 
   bind_estimator(m);
   bind_leader_intent(m);
+  bind_drive_identifier(m);
   bind_anticipation(m);
 
   py::class_<FollowerConfig> follower_config(m, "FollowerConfig", "Everything a Follower needs.");
@@ -320,6 +322,8 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("feed_forward_weight", &FollowerOutput::feed_forward_weight,
                     "share of the feed-forward in the command")
       .def_readonly("ego_motion", &FollowerOutput::ego_motion, "EgoMotionSource: where the own motion was taken from")
+      .def_readonly("drive", &FollowerOutput::drive,
+                    "DriveEstimate: the drive's delays as this command assumes them; None unless it anticipates")
       .def_readonly("leader_intent", &FollowerOutput::leader_intent,
                     "LeaderIntentUse: what the leader's word was worth");
 

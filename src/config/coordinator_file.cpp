@@ -87,7 +87,7 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   if (root.optional("law")) control::set_active_law(config.control, root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
   if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);
-  config.control.velocity.control_period_s = config.control.drive.latency_s = 1.0 / file.frame_rate_hz;
+  config.control.velocity.control_period_s = 1.0 / file.frame_rate_hz;
 
   read_camera(root.section("camera"), config);
   config.leader = parse_leader_body(root.file("leader"));

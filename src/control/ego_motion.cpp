@@ -87,6 +87,11 @@ void EgoMotion::forget_odometry() noexcept {
   model_error_ = Twist{};
 }
 
+void EgoMotion::set_delays(double actuator_lag_s, std::int64_t later_by_us) noexcept {
+  drive_.actuator_lag_s = actuator_lag_s;
+  for (Command& each : pending_) each.acts_utime += later_by_us;
+}
+
 void EgoMotion::take_first_pending() noexcept {
   acting_ = pending_.front().twist;
   pending_.pop_front();

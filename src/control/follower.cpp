@@ -33,6 +33,9 @@ bool is_there(const std::vector<LawDescription>& laws, std::string_view name) {
   return std::any_of(laws.begin(), laws.end(), [&](const LawDescription& law) { return law.name == name; });
 }
 
+// Of the delays in use, towards those identified [s per s].
+constexpr double kLatencyRate = 0.1, kLagRate = 0.3, kLongestStep_s = 0.1;
+
 constexpr Twist kNoTwist{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
 
 /// d' = v_r - v cos(theta): with a leader beside or behind the robot, cos(theta) <= 0, driving forward leads away from
@@ -113,7 +116,10 @@ Follower::Follower(FollowerConfig config)
     : config_(std::move(config)),
       own_(config_.drive, config_.limits),
       leader_(config_.leader_motion),
-      intent_(config_.leader_intent) {
+      intent_(config_.leader_intent),
+      identifier_(config_.drive, config_.limits),
+      latency_s_(config_.drive.latency_s),
+      actuator_lag_s_(config_.drive.actuator_lag_s) {
   check_tree(config_, "control");
   check_law_names(config_);
   for (LawDescription& law : config_.laws)
@@ -147,6 +153,7 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
                          since_last_command_s(dt_s));
 
   own_.command(output.command, acts_utime(observation.utime));
+  identifier_.command(output.command, observation.utime);
   last_error_m_ = setpoint.distance_m - observation.distance_m;
   last_command_ = output.command;
   paused_ = false;
@@ -175,10 +182,14 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
                             double dt_s, FollowerOutput& output) {
   if (!leader_.started()) own_.set_origin();
   leader_.update(observation, own_.pose());
+  identify_drive(observation, dt_s);
+  output.drive = identifier_.estimate();
+  output.drive->latency_s = latency_s_;
+  output.drive->actuator_lag_s = actuator_lag_s_;
   if (!leader_.started()) return published;
 
   // A command has taken effect one latency after the exposure and one lag later; that is the moment to predict for.
-  const double delay_s = config_.drive.latency_s + config_.drive.actuator_lag_s;
+  const double delay_s = latency_s_ + actuator_lag_s_;
   const std::int64_t effect_utime = later_s(observation.utime, delay_s);
   EgoMotion then = own_;
   then.advance_to(effect_utime);
@@ -216,11 +227,25 @@ LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept
                         seconds_between(since_utime, effect_utime));
 }
 
-std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, config_.drive.latency_s); }
+std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, latency_s_); }
+
+/// At a bounded rate, so that what dead reckoning has made of the past stays consistent with what comes.
+void Follower::identify_drive(const Observation& observation, double dt_s) noexcept {
+  if (!config_.drive.identify) return;
+  identifier_.observe(observation.utime, observation.measured.pose.distance_m, observation.measured.pose.bearing_rad);
+  const DriveEstimate& drive = identifier_.estimate();
+  const double latency_step_s = kLatencyRate * std::min(dt_s, kLongestStep_s);
+  const double lag_step_s = kLagRate * std::min(dt_s, kLongestStep_s);
+  const double before_s = latency_s_;
+  latency_s_ += std::clamp(drive.latency_s - latency_s_, -latency_step_s, latency_step_s);
+  actuator_lag_s_ += std::clamp(drive.actuator_lag_s - actuator_lag_s_, -lag_step_s, lag_step_s);
+  own_.set_delays(actuator_lag_s_, static_cast<std::int64_t>(std::llround((latency_s_ - before_s) * 1e6)));
+}
 
 void Follower::pause(std::int64_t held_us) noexcept {
   if (paused_ || !last_utime_) return;
   own_.command(Twist{}, later(acts_utime(*last_utime_), held_us));
+  identifier_.command(Twist{}, later(*last_utime_, held_us));
   paused_ = true;
 }
 
@@ -238,16 +263,23 @@ double Follower::since_last_command_s(double dt_s) const noexcept {
 }
 
 void Follower::restart(std::int64_t since_utime) {
-  if (last_utime_) own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
+  if (last_utime_) {
+    own_.command(Twist{}, std::max(since_utime, acts_utime(*last_utime_)));
+    identifier_.command(Twist{}, std::max(since_utime, *last_utime_));
+  }
   forget_leader();
 }
 
 void Follower::restart_on_new_clock() noexcept {
-  own_ = EgoMotion(config_.drive, config_.limits);
+  DriveModelConfig drive = config_.drive;
+  drive.actuator_lag_s = actuator_lag_s_;
+  own_ = EgoMotion(drive, config_.limits);
+  identifier_.restart_on_new_clock();
   forget_leader();
 }
 
 void Follower::forget_leader() noexcept {
+  identifier_.interrupt();
   leader_.reset();
   intent_.reset();
   if (other_law_) other_law_->restart();

@@ -45,23 +45,24 @@ TelemetryValue as_value(Value value) {
 }  // namespace
 
 TelemetrySources telemetry_sources(const StepResult& step, const StepTiming* timing) noexcept {
-  TelemetrySources sources{&step, nullptr, nullptr, nullptr, nullptr, timing};
+  TelemetrySources sources{&step, nullptr, nullptr, nullptr, nullptr, nullptr, timing};
   if (step.observation) sources.seen = &*step.observation;
   if (step.control) {
     sources.output = &*step.control;
     sources.law = &step.control->velocity;
     if (step.control->leader) sources.leader = &*step.control->leader;
+    if (step.control->drive) sources.drive = &*step.control->drive;
   }
   return sources;
 }
 
 const std::vector<TelemetryField>& telemetry_fields() {
 // A name that a row does not use is no mistake.
-#define PILOTFISH_FIELD(field, unit, source, what, text)                                            \
-  {#field, unit, text, [](const StepResult& result, const StepTiming* measured) -> TelemetryValue { \
-     const auto [step, seen, output, law, leader, timing] = telemetry_sources(result, measured);    \
-     if ((source) == nullptr) return {};                                                            \
-     return as_value(what);                                                                         \
+#define PILOTFISH_FIELD(field, unit, source, what, text)                                                \
+  {#field, unit, text, [](const StepResult& result, const StepTiming* measured) -> TelemetryValue {     \
+     const auto [step, seen, output, law, leader, drive, timing] = telemetry_sources(result, measured); \
+     if ((source) == nullptr) return {};                                                                \
+     return as_value(what);                                                                             \
    }},
 #define PILOTFISH_TYPED(type, field, unit, source, what, text) PILOTFISH_FIELD(field, unit, source, what, text)
 #define PILOTFISH_NOT_OF_A_FRAME(type, field, unit, what, text)

@@ -19,6 +19,10 @@ struct DriveModelConfig {
   PILOTFISH_PARAMETER(double, latency_s, 1.0 / 30.0, 0.0, 0.25,
                       "from the exposure to the moment the command for it reaches the wheels");
   PILOTFISH_PARAMETER(double, actuator_lag_s, 0.1, 0.0, 1.0, "time constant of the wheels' speed control; 0: none");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(
+      bool, identify, true,
+      "learn both from the own commands and what is seen; the two above are where it begins, and are used until the "
+      "evidence against them is strong");
   PILOTFISH_PARAMETER(
       double, odometry_filter_s, 0.1, 0.0, 1.0,
       "time constant with which odometry, where there is any, corrects the model of the drive; 0: at once");
@@ -55,6 +59,10 @@ class EgoMotion {
   /// Moves on to utime. The first call only sets the clock; a time in the past changes nothing.
   void advance_to(std::int64_t utime) noexcept;
 
+  /// From now on the wheels follow with this lag, and what has not acted yet acts so much later [us] (negative:
+  /// earlier).
+  void set_delays(double actuator_lag_s, std::int64_t later_by_us) noexcept;
+
   /// The odometry frame begins anew, here.
   void set_origin() noexcept { pose_ = Pose2{}; }
 
@@ -72,8 +80,8 @@ class EgoMotion {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.started_, self.utime_, self.pose_, self.twist_, self.set_value_, self.acting_, self.pending_,
-            self.measured_, self.last_measured_utime_, self.model_error_);
+    archive(self.drive_.actuator_lag_s, self.started_, self.utime_, self.pose_, self.twist_, self.set_value_,
+            self.acting_, self.pending_, self.measured_, self.last_measured_utime_, self.model_error_);
   }
 
   static constexpr double kCovered_s = 0.2;     ///< a measured twist is not used for times further from it

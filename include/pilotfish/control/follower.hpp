@@ -9,6 +9,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/anticipating_law.hpp"
+#include "pilotfish/control/drive_identifier.hpp"
 #include "pilotfish/control/ego_motion.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/heading_controller.hpp"
@@ -90,6 +91,8 @@ struct FollowerOutput {
   double feed_forward_weight = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
   EgoMotionSource ego_motion = EgoMotionSource::commanded;  ///< where the own motion was taken from
   LeaderIntentUse leader_intent = LeaderIntentUse::silent;  ///< how the leader intent was used
+  /// The drive's delays, as this command assumes them, and how well they are identified. Profile `anticipate`.
+  std::optional<DriveEstimate> drive;
 };
 
 /// The entry point of this module: Observation in, Twist out. Time comes from the observations.
@@ -127,12 +130,14 @@ class Follower {
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
     archive(self.own_, self.leader_, self.intent_, self.last_utime_, self.last_error_m_, self.last_command_,
-            self.paused_);
+            self.paused_, self.identifier_, self.latency_s_, self.actuator_lag_s_);
     if (self.other_law_) self.other_law_->remember(archive);
   }
 
  private:
   void forget_leader() noexcept;
+  /// Moves the delays that are used towards those identified.
+  void identify_drive(const Observation& observation, double dt_s) noexcept;
   /// After a pause: the speed from which the command for this frame starts.
   void resume(std::int64_t utime) noexcept;
   /// Since the command before this frame's, as the drive's limits count it [s].
@@ -156,7 +161,9 @@ class Follower {
   std::optional<std::int64_t> last_utime_;
   std::optional<double> last_error_m_;
   Twist last_command_;
-  bool paused_ = false;  ///< the command has been zero since the last measurement expired
+  DriveIdentifier identifier_;
+  double latency_s_ = 0.0, actuator_lag_s_ = 0.0;  ///< of the drive, as they are used
+  bool paused_ = false;                            ///< the command has been zero since the last measurement expired
 };
 
 }  // namespace pilotfish::control

@@ -28,6 +28,7 @@ struct TelemetrySources {
   const control::FollowerOutput* output;  ///< if the law ran
   const control::VelocityCommand* law;    ///< the fuzzy law's answer
   const control::LeaderMotion* leader;    ///< if the leader's motion is known
+  const control::DriveEstimate* drive;    ///< if the law uses a model of the drive
   const StepTiming* timing;               ///< if it was measured
 };
 /// Valid as long as the arguments.

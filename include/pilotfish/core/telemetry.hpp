@@ -62,6 +62,14 @@
     "to the command, median of the last frames, without what the wheel driver takes")                                 \
   FRAME(bool, latency_from_exposure, "", step, timing != nullptr && timing->from_exposure,                            \
     "latency_s counts from the exposure; else from the image's arrival")                                              \
+  FRAME(double, drive_latency_s, "s", drive, drive->latency_s,                                                        \
+    "from the exposure to the moment the command for it reaches the wheels, as it is used: configured, or identified") \
+  FRAME(double, drive_latency_sigma_s, "s", drive, drive->latency_sigma_s,                                            \
+    "standard deviation of its identification; 0.1: the motion so far does not tell")                                 \
+  FRAME(double, drive_lag_s, "s", drive, drive->actuator_lag_s,                                                       \
+    "time constant of the wheels' speed control, as it is used: configured, or identified")                           \
+  FRAME(double, drive_lag_sigma_s, "s", drive, drive->actuator_lag_sigma_s,                                           \
+    "standard deviation of its identification")                                                                       \
   LOOP(double, configured_latency_s, "s", config.configured_latency_s, "what control.drive.latency_s says")           \
   LOOP(std::int64_t, missed_deadlines, "", sender.missed_deadlines, "commands that left later than they were due")    \
   LOOP(std::int64_t, clock_epochs, "", coordinator.clock_epochs(), "how often the clock of the images was set")
