@@ -164,8 +164,8 @@ void bind_anticipation(py::module_& m) {
         "How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].");
   m.def("anticipate", &anticipate, py::arg("controller"), py::arg("paper"), py::arg("config"), py::arg("leader"),
         py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
-  m.def("stopping_speed", &stopping_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
-        "Fastest speed from which the robot can still stop d_min away from a leader that stops dead now.");
+  m.def("guarded_speed", &guarded_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
+        "Fastest speed [m/s] along the line of sight with which the robot can still keep d_min; negative: reverse.");
   m.def("eased_speed", &eased_speed, py::arg("config"), py::arg("limits"), py::arg("previous_mps"), py::arg("dt_s"),
         "Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a jolt.");
   m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("reaction"), py::arg("leader"),
@@ -247,6 +247,7 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<FuzzyVelocityConfig>(m, "FuzzyVelocityConfig", "Physical meaning of the normalised universes.");
   bind_parameters<HeadingControllerConfig>(m, "HeadingControllerConfig", "Proportional heading controller.");
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
+  bind_parameters<GuardConfig>(m, "GuardConfig", "The distance to the leader that no law may go below.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels do what they are told.");
@@ -375,6 +376,6 @@ PYBIND11_MODULE(control, m) {
                 "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});
   add_repr(m, "FollowerConfig",
-           {"profile", "active_law", "velocity", "heading", "limits", "anticipate", "leader_motion", "drive",
+           {"profile", "active_law", "velocity", "heading", "limits", "guard", "anticipate", "leader_motion", "drive",
             "leader_intent", "view"});
 }

@@ -61,15 +61,6 @@ Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocity
   return result;
 }
 
-/// From speed v the robot goes on for v * delay and then brakes with a: v delay + v^2 / 2a <= room, so
-///
-///   v = -a delay + sqrt((a delay)^2 + 2 a room).
-double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept {
-  const double a = reaction.limits.max_linear_acceleration_mps2, coasting = a * reaction.delay_s;
-  const double room_m = leader.distance_m - config.safety_sigmas * leader.distance_sigma_m - config.minimum_distance_m;
-  return room_m > 0.0 ? std::sqrt(coasting * coasting + 2.0 * a * room_m) - coasting : 0.0;
-}
-
 /// At full acceleration a up to the top speed V, the acceleration would end within one frame: a jerk of a / dt. With
 /// time constant T,
 ///

@@ -106,10 +106,10 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), section) != names.end();
   };
-  if (is_one_of({"limits", "drive"})) return true;
+  if (is_one_of({"limits", "guard", "leader_motion", "drive"})) return true;
   if (config.active_law != kFuzzyLaw) return section == config.active_law;
   return is_one_of({"velocity", "heading"}) ||
-         (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_motion", "leader_intent"}));
+         (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_intent"}));
 }
 
 Follower::Follower(FollowerConfig config)
@@ -142,7 +142,16 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   own_.advance_to(observation.utime);
   FollowerOutput output;
-  const Twist wanted_twist = are_finite(observation, setpoint) ? wanted(observation, setpoint, dt_s, output) : kNoTwist;
+  Twist wanted_twist = kNoTwist;
+  if (are_finite(observation, setpoint)) {
+    const std::optional<Prediction> prediction = predict(observation, dt_s);
+    output.drive = drive_in_use();
+    wanted_twist = wanted(observation, setpoint, prediction, dt_s, output);
+    if (prediction && is_finite(wanted_twist))
+      wanted_twist.linear_mps =
+          std::min(wanted_twist.linear_mps,
+                   guarded_forward_speed(config_.guard, {config_.limits, delay_s()}, prediction->leader));
+  }
   last_utime_ = observation.utime;
   if (!is_finite(wanted_twist)) {
     restart(observation.utime);
@@ -160,14 +169,15 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   return output;
 }
 
-Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output) {
+Twist Follower::wanted(const Observation& observation, const Setpoint& setpoint,
+                       const std::optional<Prediction>& prediction, double dt_s, FollowerOutput& output) {
   if (other_law_) {
     if (!config_.law.rules.consequents.empty()) as_published(observation, setpoint, dt_s, output);  // to compare with
     return other_law_->follow(observation, setpoint, dt_s);
   }
   const Twist published = as_published(observation, setpoint, dt_s, output);
-  return config_.profile == Profile::anticipate ? anticipated(observation, setpoint, published, dt_s, output)
-                                                : published;
+  if (config_.profile != Profile::anticipate || !prediction) return published;
+  return anticipated(observation, setpoint, *prediction, published, dt_s, output);
 }
 
 Twist Follower::as_published(const Observation& observation, const Setpoint& setpoint, double dt_s,
@@ -178,31 +188,30 @@ Twist Follower::as_published(const Observation& observation, const Setpoint& set
           heading_turn_rate(config_.heading, observation.bearing_rad, setpoint.bearing_rad)};
 }
 
-Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published,
-                            double dt_s, FollowerOutput& output) {
+/// A command has taken effect one latency after the exposure and one lag later; that is the moment to predict for.
+std::optional<Follower::Prediction> Follower::predict(const Observation& observation, double dt_s) noexcept {
   if (!leader_.started()) own_.set_origin();
   leader_.update(observation, own_.pose());
   identify_drive(observation, dt_s);
-  output.drive = identifier_.estimate();
-  output.drive->latency_s = latency_s_;
-  output.drive->actuator_lag_s = actuator_lag_s_;
-  if (!leader_.started()) return published;
-
-  // A command has taken effect one latency after the exposure and one lag later; that is the moment to predict for.
-  const double delay_s = latency_s_ + actuator_lag_s_;
-  const std::int64_t effect_utime = later_s(observation.utime, delay_s);
+  if (!leader_.started()) return std::nullopt;
+  const std::int64_t effect_utime = later_s(observation.utime, delay_s());
   EgoMotion then = own_;
   then.advance_to(effect_utime);
+  return Prediction{effect_utime, then.pose(), then.twist(), seen_from(then.pose(), leader_.at(effect_utime))};
+}
+
+Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Prediction& prediction,
+                            const Twist& published, double dt_s, FollowerOutput& output) {
   // A leader intent is checked only against a measurement of this very frame.
   if (intent_.heard() && leader_.utime() == observation.utime)
     output.leader_intent = intent_.evaluate(leader_.at(observation.utime), own_.pose(), observation.utime);
   output.ego_motion = own_.source();
-  const LeaderMotion seen = seen_from(then.pose(), leader_.at(effect_utime));
-  const LeaderMotion leader =
-      output.leader_intent == LeaderIntentUse::used ? seen_from(then.pose(), slowed_leader(effect_utime)) : seen;
+  const LeaderMotion leader = output.leader_intent == LeaderIntentUse::used
+                                  ? seen_from(prediction.own_pose, slowed_leader(prediction.utime))
+                                  : prediction.leader;
   const double weight = feed_forward_weight(config_.anticipate, leader);
   const Anticipation anticipation =
-      anticipate(config_.law, config_.velocity, config_.anticipate, leader, then.twist(), setpoint);
+      anticipate(config_.law, config_.velocity, config_.anticipate, leader, prediction.own_twist, setpoint);
   output.velocity = anticipation.velocity;
   output.leader = leader;
   output.feed_forward_weight = weight;
@@ -210,13 +219,12 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   Twist wanted;
   wanted.linear_mps = (1.0 - weight) * published.linear_mps + weight * anticipation.wanted.linear_mps;
   wanted.angular_radps = (1.0 - weight) * published.angular_radps + weight * anticipation.wanted.angular_radps;
-  const Reaction reaction{config_.limits, delay_s};
-  // The guards use the measurement; the leader intent can only make them stricter.
+  const Reaction reaction{config_.limits, delay_s()};
+  // The leader intent can only make the guard stricter; follow() applies that of the measurement.
   wanted.linear_mps =
-      std::min({wanted.linear_mps, stopping_speed(config_.anticipate, reaction, leader),
-                stopping_speed(config_.anticipate, reaction, seen),
+      std::min({wanted.linear_mps, guarded_forward_speed(config_.guard, reaction, leader),
                 eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, since_last_command_s(dt_s))});
-  return keep_in_view(config_.anticipate, config_.view, reaction, seen, wanted);
+  return keep_in_view(config_.anticipate, config_.view, reaction, prediction.leader, wanted);
 }
 
 LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept {
@@ -229,10 +237,18 @@ LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept
 
 std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, latency_s_); }
 
+DriveEstimate Follower::drive_in_use() const noexcept {
+  DriveEstimate drive = identifier_.estimate();
+  drive.latency_s = latency_s_;
+  drive.actuator_lag_s = actuator_lag_s_;
+  return drive;
+}
+
 /// At a bounded rate, so that what dead reckoning has made of the past stays consistent with what comes.
 void Follower::identify_drive(const Observation& observation, double dt_s) noexcept {
   if (!config_.drive.identify) return;
-  identifier_.observe(observation.utime, observation.measured.pose.distance_m, observation.measured.pose.bearing_rad);
+  const RelativePose seen = observation.of_this_frame().pose;
+  identifier_.observe(observation.utime, seen.distance_m, seen.bearing_rad);
   const DriveEstimate& drive = identifier_.estimate();
   const double latency_step_s = kLatencyRate * std::min(dt_s, kLongestStep_s);
   const double lag_step_s = kLagRate * std::min(dt_s, kLongestStep_s);

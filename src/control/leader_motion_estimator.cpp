@@ -101,13 +101,14 @@ LeaderEstimate predict_leader(const LeaderEstimate& estimate, double velocity_si
 ///
 ///   dx = cos b dd - d sin b dtheta,   dy = sin b dd + d cos b dtheta,   dheading = dpsi.
 LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& seen, const Pose2& own) noexcept {
-  const RelativePose& seen_pose = seen.measured.pose;  // this frame alone: a filtered value must not be filtered again
+  const RelativeMeasurement of_frame = seen.of_this_frame();  // a filtered value must not be filtered again
+  const RelativePose& seen_pose = of_frame.pose;
   const double b = own.heading_rad + seen_pose.bearing_rad, d = seen_pose.distance_m;
   Eigen::Matrix3d jacobian;
   jacobian << std::cos(b), -d * std::sin(b), 0.0, std::sin(b), d * std::cos(b), 0.0, 0.0, 0.0, 1.0;
   Measurement z;
   z.mean << own.x_m + d * std::cos(b), own.y_m + d * std::sin(b), own.heading_rad + seen_pose.heading_rad;
-  z.covariance = jacobian * seen.measured.covariance * jacobian.transpose();
+  z.covariance = jacobian * of_frame.covariance * jacobian.transpose();
   z.covariance.diagonal() += Eigen::Vector3d(kFloor_m * kFloor_m, kFloor_m * kFloor_m, kFloor_rad * kFloor_rad);
   if (!z.mean.allFinite() || !z.covariance.allFinite() ||
       Eigen::LLT<Eigen::Matrix3d>(z.covariance).info() != Eigen::Success)

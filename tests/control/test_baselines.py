@@ -17,8 +17,8 @@ FREE = control.LimitsConfig(
 PERIOD_US = 33_333
 
 
-def follower(law, parameters=None, limits=FREE):
-    config = control.FollowerConfig(law=LAW, active_law=law, limits=limits)
+def follower(law, parameters=None, limits=FREE, **sections):
+    config = control.FollowerConfig(law=LAW, active_law=law, limits=limits, **sections)
     for key, value in (parameters or {}).items():
         config.set_law_parameter(law, key, value)
     return control.Follower(config)
@@ -37,7 +37,7 @@ def test_the_visual_servo_lets_the_point_s_error_decay_with_its_gain(d, theta, d
     the error: w = lambda (y - y_pd) / x and v = lambda (x - x_pd) + w y. The gain is constant here."""
     gain = 0.05
     constant = {"gain_at_zero": gain, "gain_at_infinity": gain, "slope_at_zero": 0.0}
-    driver = follower("pbvs", constant)
+    driver = follower("pbvs", constant, guard=control.GuardConfig(minimum_distance_m=0.0))
     command = first_command(driver, d, theta, core.Setpoint(distance_m=d_pd, bearing_rad=theta_pd))
     x, y = d * math.cos(theta), d * math.sin(theta)
     x_pd, y_pd = d_pd * math.cos(theta_pd), d_pd * math.sin(theta_pd)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "pilotfish/api.hpp"
+#include "pilotfish/control/collision_guard.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
@@ -24,10 +25,6 @@ struct AnticipateConfig {
   PILOTFISH_PARAMETER(double, heading_gain_per_s, 6.0, 0.0, 20.0, "turn rate per radian of predicted bearing error");
   PILOTFISH_PARAMETER(double, half_weight_sigma_mps, 0.1, 1e-3, 10.0,
                       "standard deviation of the leader's velocity at which the feed-forward weight is 1/2");
-  PILOTFISH_PARAMETER(double, minimum_distance_m, 0.4, 0.0, 20.0,
-                      "d_min: the speed is limited so that the robot can stop at it if the leader stops dead");
-  PILOTFISH_PARAMETER(double, safety_sigmas, 3.0, 0.0, 10.0,
-                      "for d_min the distance is reduced by this many standard deviations");
   /// See keep_in_view().
   PILOTFISH_PARAMETER(double, guard_time_s, 0.5, 0.05, 5.0,
                       "the leader may not approach the picture's edge faster than this");
@@ -42,12 +39,6 @@ struct FieldOfView {
   double left_rad = 3.14159265358979323846;    ///< the picture's left edge [rad], positive ahead
 };
 
-/// The drive: its limits, and the delay until a command takes effect.
-struct Reaction {
-  LimitsConfig limits;   ///< what the drive can do
-  double delay_s = 0.0;  ///< latency and lag together
-};
-
 /// The feed-forward weight of the leader's estimated velocity: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].
 double feed_forward_weight(const AnticipateConfig& config, const LeaderMotion& leader) noexcept;
 
@@ -60,9 +51,6 @@ struct Anticipation {
 Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocityConfig& paper,
                         const AnticipateConfig& config, const LeaderMotion& leader, const Twist& own,
                         const Setpoint& setpoint);
-
-/// Fastest speed from which the robot can still stop d_min away from a leader that stops dead now. Never negative.
-double stopping_speed(const AnticipateConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept;
 
 /// Fastest speed a time dt_s after `previous_mps` that approaches the top speed smoothly. Slowing down is never
 /// delayed.

@@ -42,6 +42,7 @@ struct FollowerConfig {
   FuzzyVelocityConfig velocity;                        ///< of the paper's law
   HeadingControllerConfig heading;                     ///< of the paper's law
   LimitsConfig limits;                                 ///< of every command
+  GuardConfig guard;                                   ///< of every command: the distance that is kept at least
   AnticipateConfig anticipate;                         ///< of profile `anticipate`
   LeaderMotionConfig leader_motion;                    ///< how leaders move
   DriveModelConfig drive;                              ///< the wheels' delay
@@ -56,6 +57,7 @@ struct FollowerConfig {
     visit("velocity", &C::velocity);
     visit("heading", &C::heading);
     visit("limits", &C::limits);
+    visit("guard", &C::guard);
     visit("anticipate", &C::anticipate);
     visit("leader_motion", &C::leader_motion);
     visit("drive", &C::drive);
@@ -91,7 +93,7 @@ struct FollowerOutput {
   double feed_forward_weight = 0.0;  ///< share of the feed-forward in the command; 0: the law as published
   EgoMotionSource ego_motion = EgoMotionSource::commanded;  ///< where the own motion was taken from
   LeaderIntentUse leader_intent = LeaderIntentUse::silent;  ///< how the leader intent was used
-  /// The drive's delays, as this command assumes them, and how well they are identified. Profile `anticipate`.
+  /// The drive's delays, as this command assumes them, and how well they are identified.
   std::optional<DriveEstimate> drive;
 };
 
@@ -102,7 +104,8 @@ struct FollowerOutput {
 ///               observation ---------------------------+--> LeaderMotionEstimator --> prediction --> anticipate()
 ///               leader_intent --> LeaderIntent: checked against that estimate, may slow the prediction down
 ///                                                 --> blended with the paper's command by feed_forward_weight -->
-///                                                 guards --> limits
+///                                                 kept in view --> limits
+///   any         prediction --> guarded_speed(), an upper bound of the speed before the limits
 class Follower {
  public:
   /// Throws ConfigError if any parameter is out of range.
@@ -136,19 +139,31 @@ class Follower {
 
  private:
   void forget_leader() noexcept;
+  DriveEstimate drive_in_use() const noexcept;
+  double delay_s() const noexcept { return latency_s_ + actuator_lag_s_; }
   /// Moves the delays that are used towards those identified.
   void identify_drive(const Observation& observation, double dt_s) noexcept;
   /// After a pause: the speed from which the command for this frame starts.
   void resume(std::int64_t utime) noexcept;
   /// Since the command before this frame's, as the drive's limits count it [s].
   double since_last_command_s(double dt_s) const noexcept;
+  /// Leader and robot at the moment at which this frame's command has taken effect.
+  struct Prediction {
+    std::int64_t utime = 0;  ///< that moment
+    Pose2 own_pose;          ///< under unchanged commands
+    Twist own_twist;
+    LeaderMotion leader;
+  };
+  /// From this measurement on; nothing while none could be used.
+  std::optional<Prediction> predict(const Observation& observation, double dt_s) noexcept;
   /// The output of the active law, not yet limited.
-  Twist wanted(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
+  Twist wanted(const Observation& observation, const Setpoint& setpoint, const std::optional<Prediction>& prediction,
+               double dt_s, FollowerOutput& output);
   /// The paper's law.
   Twist as_published(const Observation& observation, const Setpoint& setpoint, double dt_s, FollowerOutput& output);
   /// The command of profile `anticipate`.
-  Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Twist& published, double dt_s,
-                    FollowerOutput& output);
+  Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Prediction& prediction,
+                    const Twist& published, double dt_s, FollowerOutput& output);
   /// The leader when the command has taken effect, slowed down to its intent.
   LeaderEstimate slowed_leader(std::int64_t effect_utime) const noexcept;
   std::int64_t acts_utime(std::int64_t utime) const;

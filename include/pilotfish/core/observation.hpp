@@ -61,7 +61,7 @@ struct Observation {
   double bearing_rad = 0.0;  ///< theta = atan2(y, x) [rad], positive: to the left
   double heading_rad = 0.0;  ///< psi, the leader's heading relative to the coordinator's, filtered
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the three above
-  RelativeMeasurement measured;    ///< of this frame alone: what a filter of your own should be fed
+  RelativeMeasurement measured;    ///< of this frame alone: what a filter of your own should be fed; may be left out
   double heading_ambiguity = 0.0;  ///< probability, from the headings so far, of another one than heading_rad
 
   Eigen::Isometry3d cMo = Eigen::Isometry3d::Identity();  ///< leader's base frame to camera frame, of this frame alone
@@ -73,6 +73,12 @@ struct Observation {
   double min_decision_margin = 0.0;                  ///< of the tags used
   FoundBy found_by = FoundBy::frame;                 ///< how the tags were found
   BoundedVector<TagDetection, kMaxTagsOnBody> tags;  ///< those used
+
+  /// `measured`; or the pose and covariance above, where whoever made this observation gave no other.
+  RelativeMeasurement of_this_frame() const {
+    if (measured.pose.distance_m > 0.0) return measured;
+    return {{distance_m, bearing_rad, heading_rad}, covariance};
+  }
 };
 
 }  // namespace pilotfish

@@ -76,12 +76,17 @@ def run_timed(
     configure: Configure | None = None,
     on_answer: OnAnswer | None = None,
     drawn: DrawnObservations | None = None,
+    change: Callable[[sim.Scenario], None] | None = None,
 ) -> TimedRun:
     """Plays a shipped scenario. ``configure`` has the last word on the coordinator's configuration, which knows nothing
-    of ``timing`` and ``wheels``; ``on_answer`` gets the time [s] and the answer to each picture."""
+    of ``timing`` and ``wheels``; ``on_answer`` gets the time [s] and the answer to each picture; ``change`` gets the
+    world's scenario."""
     scenario = Scenario.load(data.path(f"scenarios/{scenario_name}.yaml"))
     robot = scenario.robot()
-    world = sim.World(_with_lag(sim.load_scenario(scenario.file), robot.name, wheels.lag_s))
+    spec = _with_lag(sim.load_scenario(scenario.file), robot.name, wheels.lag_s)
+    if change:
+        change(spec)
+    world = sim.World(spec)
     driver = coordinator.Coordinator(_config(robot, law, configure))
     pictures = _Pictures(timing, world, robot.name, drawn or DrawnObservations(seed), np.random.default_rng(seed))
     drive = _Drive(wheels, np.random.default_rng(seed + 1))

@@ -97,6 +97,15 @@ TEST_P(EveryProfile, StaysWithinTheLimitsAtTheEndsOfTime) {
     }
 }
 
+TEST_P(EveryProfile, TakesTheMeasurementItselfWhereTheOneOfTheFrameAloneIsLeftOut) {
+  Follower with(config_of(GetParam())), without(config_of(GetParam()));
+  for (int i = 1; i < 30; ++i) {
+    Observation seen = frame(i), same = frame(i);
+    same.measured = RelativeMeasurement{};
+    EXPECT_EQ(with.follow(seen, Setpoint{}).command, without.follow(same, Setpoint{}).command);
+  }
+}
+
 TEST_P(EveryProfile, IsTheSameWheneverItBegins) {
   Follower now(config_of(GetParam())), later(config_of(GetParam()));
   const std::int64_t year_2050 = 2'524'608'000'000'000;
