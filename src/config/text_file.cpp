@@ -1,7 +1,5 @@
 #include "pilotfish/config/text_file.hpp"
 
-#include <string_view>
-
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/read_file.hpp"
 
@@ -35,12 +33,16 @@ std::size_t utf8_until(std::string_view text) {
 
 }  // namespace
 
+void check_utf8(std::string_view text, const std::string& key, const std::filesystem::path& path) {
+  const std::size_t until = utf8_until(text);
+  if (until == text.size()) return;
+  throw ConfigError(key, path.string() + " is not a text in UTF-8: byte " + std::to_string(until) + " is none");
+}
+
 TextFile read_text_file(const std::filesystem::path& path, const std::string& key) {
   FileRead read = read_file(path, kMaxTextBytes);
   if (!read.bytes) throw ConfigError(key, read.problem);
-  const std::size_t text_until = utf8_until(*read.bytes);
-  if (text_until != read.bytes->size())
-    throw ConfigError(key, path.string() + " is not a text in UTF-8: byte " + std::to_string(text_until) + " is none");
+  check_utf8(*read.bytes, key, path);
   return {path, std::move(*read.bytes)};
 }
 

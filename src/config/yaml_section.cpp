@@ -51,6 +51,7 @@ std::string shown(const YAML::Node& node) {
 }  // namespace
 
 YAML::Node parse_yaml(const std::string& text, const std::string& key, const std::filesystem::path& path) {
+  check_utf8(text, key, path);
   if (deepest_bracket(text) > kMaxNesting)
     throw ConfigError(key, path.string() + " is not valid YAML: brackets in brackets, more than " +
                                std::to_string(kMaxNesting) + " deep");

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "pilotfish/api.hpp"
 
@@ -18,6 +19,9 @@ struct TextFile {
   std::filesystem::path path;  ///< where it was read
   std::string text;            ///< its content
 };
+
+/// Throws ConfigError unless the text is UTF-8: yaml-cpp reads some of what is not for ever.
+void check_utf8(std::string_view text, const std::string& key, const std::filesystem::path& path);
 
 /// The only way in which this module reads from disk: regular files of up to kMaxTextBytes, UTF-8. Throws ConfigError
 /// with the key that named the file.

@@ -18,6 +18,11 @@ constexpr int kLast = std::numeric_limits<int>::max();
 
 YamlSection section(const std::string& text) { return YamlSection::parse({"memory.yaml", text}); }
 
+TEST(YamlSection, RefusesATextInMemoryThatIsNotUtf8AndOnWhichYamlCppNeverEnds) {
+  EXPECT_EQ(refused_key([] { section(" ,\n\n\n\n\n\n\n\n\ne\xcb\xff\xff"); }), "file");
+  EXPECT_EQ(refused_key([] { section(",-6_kp: 8.4655\xbf\xf5"); }), "file");
+}
+
 TEST(YamlSection, ReadsTheFirstAndTheLastIntegerAndNoneBeyond) {
   YamlSection ends = section("first: -2147483648\nlast: 2147483647\nbefore: -2147483649\nbeyond: 2147483648\n");
   EXPECT_EQ(ends.integer("first", kFirst, kLast), kFirst);
