@@ -4,7 +4,8 @@
           -> [Bayer, and its interpolation] -> gamma -> [sharpening] -> [JPEG]
 
 Shares no code and no assumption with Pilotfish's renderer, which blurs and adds white noise in gray levels: here an
-edge is blurred before the gamma bends it, noise grows with light, and what Bayer, sharpening and JPEG leave is correlated.
+edge is blurred before the gamma bends it, noise grows with light, and what Bayer, sharpening and JPEG leave is
+correlated.
 """
 
 from __future__ import annotations

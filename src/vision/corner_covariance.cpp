@@ -1,6 +1,7 @@
 #include "corner_covariance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pilotfish/core/angles.hpp"
@@ -18,16 +19,22 @@ namespace {
 double correlation_factor(const Rows& rows, const TemplateSamples& samples,
                           const Eigen::Matrix<double, kParameters, 8>& inverse, double noise) {
   constexpr int kBlocks = 5;
-  Eigen::Matrix<float, kParameters, kBlocks* kBlocks> pull =
-      Eigen::Matrix<float, kParameters, kBlocks * kBlocks>::Zero();
+  std::array<int, TemplateSamples::kCapacity> block;
   for (int i = 0; i < samples.count; ++i) {
     const auto block_of = [](float coordinate) {
       return std::clamp(static_cast<int>((coordinate + 1.25F) * (kBlocks / 2.5F)), 0, kBlocks - 1);
     };
-    const int block = block_of(samples.row_y[i]) * kBlocks + block_of(samples.column_x[i]);
-    pull.col(block) += rows.r[i] * rows.J.row(i).transpose();
+    block[i] = block_of(samples.row_y[i]) * kBlocks + block_of(samples.column_x[i]);
   }
-  const Eigen::Matrix<double, 8, kBlocks* kBlocks> moved = inverse.transpose() * pull.cast<double>();
+  // A column at a time, as they lie in memory.
+  Eigen::Matrix<float, kBlocks * kBlocks, kParameters> pull;
+  pull.setZero();
+  for (int k = 0; k < kParameters; ++k) {
+    const float *J = rows.J.col(k).data(), *r = rows.r.data();
+    float* sum_of_column = pull.col(k).data();
+    for (int i = 0; i < samples.count; ++i) sum_of_column[block[i]] += r[i] * J[i];
+  }
+  const Eigen::Matrix<double, 8, kBlocks* kBlocks> moved = inverse.transpose() * pull.cast<double>().transpose();
   const Eigen::LDLT<Matrix8d> position(inverse.topRows<8>());
   const double sum = moved.cwiseProduct(position.solve(moved)).sum();
   const double factor = sum / (8.0 * noise * noise * (1.0 - 1.0 / (kBlocks * kBlocks)));

@@ -58,16 +58,15 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
   const Eigen::Vector2d sigma = variance.cwiseSqrt() / pattern.cell_side;
   const double rim = 0.5 * (pattern.cells - 2 * TagPattern::kMargin) * pattern.cell_side - 0.75 * pattern.cell_side;
 
-  // Most cells are read in their middles: their shares are computed once.
-  const Shares middle_x(0.0, sigma.x()), middle_y(0.0, sigma.y());
+  // By offset: to the left or up, none, to the right or down.
+  const Shares shares_x[3] = {{-kRingInwards_cells, sigma.x()}, {0.0, sigma.x()}, {kRingInwards_cells, sigma.x()}};
+  const Shares shares_y[3] = {{-kRingInwards_cells, sigma.y()}, {0.0, sigma.y()}, {kRingInwards_cells, sigma.y()}};
   TagReading reading;
   double sum = 0.0;
   for (const TagPattern::Cell& cell : pattern.known) {
-    const auto inwards = [&](double at) {
-      return std::abs(at) > rim && !cell.data ? (at > 0.0 ? -kRingInwards_cells : kRingInwards_cells) : 0.0;
-    };
-    const Eigen::Vector2d offset(inwards(cell.centre.x()), inwards(cell.centre.y()));
-    const Eigen::Vector2d place = cell.centre + pattern.cell_side * offset;
+    const auto inwards = [&](double at) { return std::abs(at) > rim && !cell.data ? (at > 0.0 ? -1 : 1) : 0; };
+    const int to_x = inwards(cell.centre.x()), to_y = inwards(cell.centre.y());
+    const Eigen::Vector2d place = cell.centre + kRingInwards_cells * pattern.cell_side * Eigen::Vector2d(to_x, to_y);
     const Eigen::Vector2d pixel = warp.pixel(camera, warp.flat(place));
     if (cell.data) ++reading.bits;
     double black = look.black + look.black_slope.dot(place);
@@ -84,8 +83,7 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     const double gray = bilinear(image, pixel);
     const auto column = static_cast<int>(cell.centre.x() / pattern.cell_side + 0.5 * pattern.cells);
     const auto row = static_cast<int>(cell.centre.y() / pattern.cell_side + 0.5 * pattern.cells);
-    const Shares across = offset.x() == 0.0 ? middle_x : Shares(offset.x(), sigma.x());
-    const Shares down = offset.y() == 0.0 ? middle_y : Shares(offset.y(), sigma.y());
+    const Shares &across = shares_x[to_x + 1], &down = shares_y[to_y + 1];
     const auto white_in_row = [&](int j) {
       const std::uint8_t* c = pattern.colour.data() + static_cast<std::ptrdiff_t>(row + j) * pattern.cells + column;
       return across.left * c[-1] + across.own * c[0] + across.right * c[1];

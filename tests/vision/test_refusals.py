@@ -114,8 +114,8 @@ def test_a_tag_that_leaves_the_picture():
     assert first > 3
     assert reasons[first] == Reason.tag_outside_frame
     # The bits are six columns of 12 px around the tag's middle, which is tan(0.36 + 0.01 k) 600 px from the picture's.
-    # With three of them outside too few are left: the first of those is read 6 px beyond the middle, and the picture ends at
-    # 319.5 px. A frame is a step of 7 px.
+    # With three of them outside too few are left: the first of those is read 6 px beyond the middle, and the picture
+    # ends at 319.5 px. A frame is a step of 7 px.
     middle_px = 600 * np.tan(0.36 + 0.01 * first)
     assert 319.5 - 6 - 2 < middle_px < 319.5 - 6 + 9
     assert Reason.none not in reasons[first:]
