@@ -1,7 +1,6 @@
 #include "corner_covariance.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "pilotfish/core/angles.hpp"
@@ -19,22 +18,19 @@ namespace {
 double correlation_factor(const Rows& rows, const TemplateSamples& samples,
                           const Eigen::Matrix<double, kParameters, 8>& inverse, double noise) {
   constexpr int kBlocks = 5;
-  std::array<int, TemplateSamples::kCapacity> block;
+  // A sample in one piece, so that its sixteen numbers are added at once.
+  const Eigen::Matrix<float, kParameters, Eigen::Dynamic, Eigen::ColMajor, kParameters, TemplateSamples::kCapacity>
+      by_sample = rows.J.topRows(samples.count).transpose();
+  Eigen::Matrix<float, kParameters, kBlocks * kBlocks> pull;
+  pull.setZero();
   for (int i = 0; i < samples.count; ++i) {
     const auto block_of = [](float coordinate) {
       return std::clamp(static_cast<int>((coordinate + 1.25F) * (kBlocks / 2.5F)), 0, kBlocks - 1);
     };
-    block[i] = block_of(samples.row_y[i]) * kBlocks + block_of(samples.column_x[i]);
+    const int block = block_of(samples.row_y[i]) * kBlocks + block_of(samples.column_x[i]);
+    pull.col(block) += rows.r[i] * by_sample.col(i);
   }
-  // A column at a time, as they lie in memory.
-  Eigen::Matrix<float, kBlocks * kBlocks, kParameters> pull;
-  pull.setZero();
-  for (int k = 0; k < kParameters; ++k) {
-    const float *J = rows.J.col(k).data(), *r = rows.r.data();
-    float* sum_of_column = pull.col(k).data();
-    for (int i = 0; i < samples.count; ++i) sum_of_column[block[i]] += r[i] * J[i];
-  }
-  const Eigen::Matrix<double, 8, kBlocks* kBlocks> moved = inverse.transpose() * pull.cast<double>().transpose();
+  const Eigen::Matrix<double, 8, kBlocks* kBlocks> moved = inverse.transpose() * pull.cast<double>();
   const Eigen::LDLT<Matrix8d> position(inverse.topRows<8>());
   const double sum = moved.cwiseProduct(position.solve(moved)).sum();
   const double factor = sum / (8.0 * noise * noise * (1.0 - 1.0 / (kBlocks * kBlocks)));
