@@ -1,6 +1,6 @@
 """Pilotfish's tracker beside ViSP, AprilTag and OpenCV's ArUco, on the same frames.
 
-Takes: 10 to 20 minutes; 1 with --quick.
+Takes: 25 to 45 minutes; 1 with --quick.
 """
 
 import os

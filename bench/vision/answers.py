@@ -8,6 +8,14 @@ import numpy as np
 
 
 @dataclass(frozen=True)
+class Claim:
+    """What a tracker reports of the leader, and how exact it says that is."""
+
+    value: np.ndarray  # (3,): distance [m], bearing [rad], heading [rad]
+    covariance: np.ndarray  # (3, 3)
+
+
+@dataclass(frozen=True)
 class Answer:
     """Of one tracker to one frame. `cMt` is None if it does not see the leader."""
 
@@ -15,6 +23,7 @@ class Answer:
     cMt: np.ndarray | None = None  # (4, 4): the tag in the camera frame
     heading_rad: float | None = None  # of the leader, if the tracker knows better than cMt says
     found_by: str = "frame"
+    claim: Claim | None = None
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from bench.vision.accuracy import Cells
+from bench.vision.chains import Results
 from bench.vision.summary import Figures, ratio
 from bench.vision.trackers import ACQUIRED, TRACKED, VISP_1, VISP_2, WHEEL
 from bench.vision.units import mm, ms, percent
@@ -83,6 +84,26 @@ def drive_goals(trackers: dict[str, Figures]) -> Iterator[Goal]:
         quotient = ratio(ours, theirs)
         name = f"frames of the drive with the leader seen, of {trackers[baseline].frames}"
         yield Goal(name, "≥ 1.0", f"{baseline}: {percent(theirs)}", percent(ours), quotient, quotient >= 1.0)
+
+
+def chain_goals(results: Results) -> Iterator[Goal]:
+    """Seen as often as the better baseline, and a covariance that says how far off that is."""
+    for condition, by_distance in results.items():
+        for d, trackers in by_distance.items():
+            ours = trackers[TRACKED]
+            best = max((VISP_1, WHEEL), key=lambda name, of=trackers: of[name].seen)
+            theirs = trackers[best].seen
+            name = f"{condition}, {d} m: seen"
+            yield Goal(
+                name,
+                "≥ 1.0",
+                f"{best}: {percent(theirs)}",
+                percent(ours.seen),
+                ratio(ours.seen, theirs),
+                ours.seen >= theirs,
+            )
+            said = f"{ours.chi2:.2f}, wrong {ours.wrong} of {ours.frames}"
+            yield Goal(f"{condition}, {d} m: chi2/dof", "≤ 2", "-", said, math.nan, not ours.chi2 > 2.0)
 
 
 def wrong_leader_goals(verdict: Verdict) -> Iterator[Goal]:

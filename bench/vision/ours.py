@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from bench.vision.answers import Answer
+from bench.vision.answers import Answer, Claim
 from pilotfish import core, vision
 
 
@@ -40,7 +40,8 @@ class Ours:
             return Answer(elapsed_ns)
         seen = sight.observation
         cMt = np.asarray(seen.cMo) @ self._leader.tags[0].oMt
-        return Answer(elapsed_ns, cMt, seen.heading_rad, found_by_of(seen))
+        claim = Claim(np.array([seen.distance_m, seen.bearing_rad, seen.heading_rad]), np.asarray(seen.covariance))
+        return Answer(elapsed_ns, cMt, seen.heading_rad, found_by_of(seen), claim)
 
     def forget(self) -> None:
         """The next frame is acquired from nothing."""

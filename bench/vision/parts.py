@@ -10,13 +10,15 @@ from rich.table import Table
 from bench.vision import goals, sequences
 from bench.vision import trackers as who
 from bench.vision.accuracy import DISTANCES_M, Cells, accuracy
+from bench.vision.chains import ChainFigures, look_at_chains
+from bench.vision.conditions import CONDITIONS
 from bench.vision.drive import drive
 from bench.vision.goals import Goal
 from bench.vision.resolutions import SIZES, cost_by_resolution
 from bench.vision.runs import Tracker, compare
 from bench.vision.scenes import VGA
 from bench.vision.summary import Figures, as_json
-from bench.vision.tables import accuracy_tables, figures_table, medians_table, verdict_table
+from bench.vision.tables import accuracy_tables, chain_tables, figures_table, medians_table, verdict_table
 from bench.vision.trackers import Cast
 from bench.vision.visp_images import FOCAL_PX, medians, on_visp_images, targets
 from bench.vision.without_leader import wrong_leaders
@@ -41,9 +43,12 @@ class Effort:
     without_leader: int = 10_000
     scenes: int = 40  # that frames without a leader are made of
     resolutions: int = 60  # a frame size
+    chains: int = 32  # a condition and distance
 
 
-QUICK = Effort(vga=4, hd=2, drive=10, lens=3, far=4, head_on=4, repeats=2, without_leader=100, scenes=4, resolutions=2)
+QUICK = Effort(
+    vga=4, hd=2, drive=10, lens=3, far=4, head_on=4, repeats=2, without_leader=100, scenes=4, resolutions=2, chains=2
+)
 
 
 @dataclass
@@ -130,6 +135,17 @@ def run_resolutions(task: Task) -> Outcome:
     return Outcome(tables, list(goals.resolution_goals(by_size)), data, by_size=by_size)
 
 
+def run_chains(task: Task) -> Outcome:
+    def trackers(camera: core.CameraModel) -> list[Tracker]:
+        return task.cast.trackers(camera, FLIPPING)
+
+    results = look_at_chains(trackers, CONDITIONS, task.effort.chains, task.seed, task.on_frame)
+    data = {
+        name: {str(d): _json(figures) for d, figures in by_distance.items()} for name, by_distance in results.items()
+    }
+    return Outcome(chain_tables(results), list(goals.chain_goals(results)), data)
+
+
 @dataclass(frozen=True)
 class Part:
     """One comparison: what it is called on the progress bar, how to run it, how many frames it shows."""
@@ -148,9 +164,14 @@ PARTS = {
         "ViSP's pictures", run_visp_images, lambda effort: effort.repeats * len(FOCAL_PX) * len(targets())
     ),
     "resolutions": Part("cost by resolution", run_resolutions, lambda effort: effort.resolutions * len(SIZES)),
+    "chains": Part(
+        "cameras, light and prints that nothing models",
+        run_chains,
+        lambda effort: effort.chains * sum(len(condition.distances_m) for condition in CONDITIONS),
+    ),
     "without-leader": Part("frames without a leader", run_without_leader, lambda effort: effort.without_leader),
 }
 
 
-def _json(figures: dict[str, Figures]) -> dict[str, dict]:
+def _json(figures: dict[str, Figures] | dict[str, ChainFigures]) -> dict[str, dict]:
     return {name: as_json(of_tracker) for name, of_tracker in figures.items()}

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bench.vision.answers import Answer, errors_of
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 WRONG_DEG = 10.0  # a normal or heading that is further off is a flip, not noise
 CLOSE_SHARE = 0.1  # a leader counts as seen if its distance is right to a tenth
@@ -70,7 +74,7 @@ def ratio(ours: float, theirs: float) -> float:
     return ours / theirs if theirs and np.isfinite(theirs) else float("nan")
 
 
-def as_json(figures: Figures) -> dict:
+def as_json(figures: DataclassInstance) -> dict:
     """NaN becomes null: JSON has no NaN."""
     return {
         key: None if isinstance(value, float) and np.isnan(value) else value for key, value in asdict(figures).items()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from rich.table import Table
 
 from bench.vision.accuracy import Cells
+from bench.vision.chains import Results
 from bench.vision.goals import Goal
 from bench.vision.summary import Figures
 from bench.vision.units import fraction, mm, ms, percent
@@ -32,6 +33,25 @@ def accuracy_tables(cells: Cells) -> list[Table]:
         for size, by_distance in cells.items()
         for distance_m, figures in by_distance.items()
     ]
+
+
+def chain_tables(results: Results) -> list[Table]:
+    """One table a condition."""
+    tables = []
+    for name, by_distance in results.items():
+        table = Table(title=name, title_justify="left")
+        table.add_column("distance")
+        table.add_column("tracker")
+        for column in ("seen", "median", "p95", "heading", "p95", "chi2/dof", "wrong", "time"):
+            table.add_column(column, justify="right")
+        for distance_m, figures in by_distance.items():
+            for tracker, f in figures.items():
+                chi2 = "-" if f.chi2 != f.chi2 else f"{f.chi2:.2f}"
+                degrees = [f"{value:.2f}°" for value in (f.median_deg, f.p95_deg)]
+                errors = (mm(f.median_mm), mm(f.p95_mm), *degrees, chi2, str(f.wrong))
+                table.add_row(f"{distance_m} m", tracker, percent(f.seen), *errors, ms(f.median_ms))
+        tables.append(table)
+    return tables
 
 
 def medians_table(title: str, medians: dict[str, dict[str, float]]) -> Table:

@@ -7,11 +7,14 @@
 #include "pilotfish/core/sections.hpp"
 #include "pose_candidates.hpp"
 #include "search_region.hpp"
+#include "textured_regions.hpp"
 
 // The processing of a frame, from top to bottom: observe_frame() calls the functions below it, in that order.
 
 namespace pilotfish::vision {
 namespace {
+
+constexpr double kCoarseDecimation = 2.0;  ///< what it misses, a search of the parts with detail finds
 
 /// With it the smallest tag at that distance, seen squarely, is still found in a search of the whole picture.
 double acquisition_decimation(const TagTracker& tracker, double distance_m) {
@@ -58,8 +61,9 @@ LeaderObserver::LeaderObserver(const CameraModel& camera, const CameraMounting& 
       heading_(config.heading) {
   check_ranges(mounting, "camera.mounting");
   check_tree(config, "vision");
-  decimation_ = config.detector.decimation > 0.0 ? config.detector.decimation
-                                                 : acquisition_decimation(tracker_, config.acquisition_range_m);
+  decimation_ = config.detector.decimation > 0.0
+                    ? config.detector.decimation
+                    : std::max(kCoarseDecimation, acquisition_decimation(tracker_, config.acquisition_range_m));
 }
 
 void LeaderObserver::forget() noexcept {
@@ -107,8 +111,8 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
     detected = track_detections(image, *found, Eigen::Vector2d::Zero(), FoundBy::frame);
   } else {
     ++whole_picture_searches_;
-    const double decimation = frame.coarse_search ? coarser_decimation(decimation_) : decimation_;
-    detected = detect_tags(image, whole(image), decimation, FoundBy::frame);
+    detected =
+        track_detections(image, search_whole(image, frame.coarse_search), Eigen::Vector2d::Zero(), FoundBy::frame);
   }
   detected.rejected = larger_of_each(detected.rejected, tracked.rejected);
   // A tag tracked up to the edge of the picture is too near to it for the detector: the first reason is the more
@@ -142,6 +146,18 @@ LeaderObserver::Attempt LeaderObserver::detect_tags(const ImageView& image, cons
   const Detections detections = detector_.detect(part_of(image, region), decimation);
   stopwatch_.lap(Stage::detect);
   return track_detections(image, detections, Eigen::Vector2d(region.left, region.top), found_by);
+}
+
+/// Near tags in the whole picture, shrunk; far ones at full resolution where the picture is full of detail. So the time
+/// is that of the coarse search, and the range that of the fine one.
+Detections LeaderObserver::search_whole(const ImageView& image, bool coarse) {
+  const bool chosen = config_.detector.decimation > 0.0;
+  Detections found = detector_.detect(image, coarse ? coarser_decimation(decimation_) : decimation_);
+  if (!chosen && !coarse && found.input == Reason::none)
+    for (const SearchRegion& region : textured_regions(image, static_cast<int>(config_.detector.min_decision_margin)))
+      found.merge(detector_.detect(part_of(image, region), 1.0), Eigen::Vector2d(region.left, region.top));
+  stopwatch_.lap(Stage::detect);
+  return found;
 }
 
 LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image, const Detections& detections,

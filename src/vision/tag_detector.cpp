@@ -84,6 +84,28 @@ bool Detections::is_unique(int id) const {
   return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; }) == 1;
 }
 
+void Detections::merge(const Detections& other, const Eigen::Vector2d& origin_px) {
+  for (TagDetection tag : other.tags) {
+    for (Eigen::Vector2d& corner : tag.corners_px) corner += origin_px;
+    const auto middle = [](const TagDetection& t) -> Eigen::Vector2d {
+      return 0.25 * (t.corners_px[0] + t.corners_px[1] + t.corners_px[2] + t.corners_px[3]);
+    };
+    const double side_px = (tag.corners_px[2] - tag.corners_px[0]).norm();
+    const auto same = std::find_if(tags.begin(), tags.end(), [&](const TagDetection& known) {
+      return known.id == tag.id && (middle(known) - middle(tag)).norm() < 0.25 * side_px;
+    });
+    if (same != tags.end())
+      *same = std::move(tag);
+    else
+      tags.push_back(std::move(tag));
+  }
+  for (int id : other.refused_ids)
+    if (std::find(refused_ids.begin(), refused_ids.end(), id) == refused_ids.end()) refused_ids.push_back(id);
+  std::sort(refused_ids.begin(), refused_ids.end());
+  refused_hamming = std::max(refused_hamming, other.refused_hamming);
+  refused_margin = std::max(refused_margin, other.refused_margin);
+}
+
 TagDetector::TagDetector(const std::string& family, const TagDetectorConfig& config) : config_(config) {
   check_ranges(config, "vision");
   if (config_.decimation == 0.0) config_.decimation = 1.0;

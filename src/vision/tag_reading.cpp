@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "level_field.hpp"
 #include "tag_warp.hpp"
 
 // A cell is compared with the expected appearance of a right and of a wrong one there, blurred as the picture is. With
@@ -27,47 +28,94 @@ double bilinear(const ImageView& image, const Eigen::Vector2d& pixel) {
   return (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * q[0] + a * q[1]);
 }
 
-double neighbours_share(double cell_sigmas) { return 0.5 * std::erfc(0.5 * cell_sigmas / std::sqrt(2.0)); }
+constexpr double kRingInwards_cells = 0.2;  ///< a ring cut to half its width is still white there
+constexpr double kLocalReach_cells = 0.9;
+constexpr double kMinLocalContrast = 0.3;  ///< of the tag's: with less around a cell, it is not read
 
-}  // namespace
+/// The shares of the cells to the left, here and to the right in the blurred template, `offset` from a cell's middle;
+/// both in cells.
+struct Shares {
+  double left, own, right;
+  Shares(double offset, double sigma) {
+    const auto beyond = [sigma](double distance) { return 0.5 * std::erfc(distance / (sigma * std::sqrt(2.0))); };
+    left = beyond(0.5 + offset);
+    right = beyond(0.5 - offset);
+    own = 1.0 - left - right;
+  }
+};
 
-TagReading read_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
-                    const Registration& registration) noexcept {
+bool is_inside(const ImageView& image, const Eigen::Vector2d& pixel) {
+  return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= image.width - 1.0 && pixel.y() <= image.height - 1.0;
+}
+
+TagReading read_cells(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+                      const Registration& registration, const LevelField* light) {
   const TagWarp warp(camera, registration.nHt);
   const Appearance& look = registration.appearance;
   const Eigen::Matrix2d G2 = warp.flat_jacobian(Eigen::Vector2d::Zero()).inverse().cwiseAbs2();
   // Linear interpolation between pixels blurs a little more, by 1/6 px^2 on average.
   const Eigen::Vector2d variance = G2 * Eigen::Vector2d(look.blur_u_px2 + 1.0 / 6.0, look.blur_v_px2 + 1.0 / 6.0);
-  const double sx = neighbours_share(pattern.cell_side / std::sqrt(variance.x()));
-  const double sy = neighbours_share(pattern.cell_side / std::sqrt(variance.y()));
-  const double ax[3] = {sx, 1 - 2 * sx, sx}, ay[3] = {sy, 1 - 2 * sy, sy};
+  const Eigen::Vector2d sigma = variance.cwiseSqrt() / pattern.cell_side;
+  const double rim = 0.5 * (pattern.cells - 2 * TagPattern::kMargin) * pattern.cell_side - 0.75 * pattern.cell_side;
 
+  // By offset: to the left or up, none, to the right or down.
+  const Shares shares_x[3] = {{-kRingInwards_cells, sigma.x()}, {0.0, sigma.x()}, {kRingInwards_cells, sigma.x()}};
+  const Shares shares_y[3] = {{-kRingInwards_cells, sigma.y()}, {0.0, sigma.y()}, {kRingInwards_cells, sigma.y()}};
   TagReading reading;
-  int bits = 0;
+  double sum = 0.0;
   for (const TagPattern::Cell& cell : pattern.known) {
-    const double gray = bilinear(image, warp.pixel(camera, warp.flat(cell.centre)));
+    const auto inwards = [&](double at) { return std::abs(at) > rim && !cell.data ? (at > 0.0 ? -1 : 1) : 0; };
+    const int to_x = inwards(cell.centre.x()), to_y = inwards(cell.centre.y());
+    const Eigen::Vector2d place = cell.centre + kRingInwards_cells * pattern.cell_side * Eigen::Vector2d(to_x, to_y);
+    const Eigen::Vector2d pixel = warp.pixel(camera, warp.flat(place));
+    if (cell.data) ++reading.bits;
+    double black = look.black + look.black_slope.dot(place);
+    double contrast = look.contrast() + look.contrast_slope.dot(place);
+    if (light != nullptr) {
+      const LevelField::Levels levels = light->at(cell.centre);
+      black = levels.black;
+      contrast = levels.white - levels.black;
+    }
+    if (!is_inside(image, pixel) || (light != nullptr && contrast < kMinLocalContrast * look.contrast())) {
+      reading.unread_bits += cell.data ? 1 : 0;
+      continue;
+    }
+    const double gray = bilinear(image, pixel);
     const auto column = static_cast<int>(cell.centre.x() / pattern.cell_side + 0.5 * pattern.cells);
     const auto row = static_cast<int>(cell.centre.y() / pattern.cell_side + 0.5 * pattern.cells);
-    double T = 0.0;
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i)
-        T += ax[i + 1] * ay[j + 1] * pattern.colour[static_cast<std::size_t>(row + j) * pattern.cells + column + i];
-    const double black = look.black + look.black_slope.dot(cell.centre);
-    const double contrast = look.contrast() + look.contrast_slope.dot(cell.centre);
+    const Shares &across = shares_x[to_x + 1], &down = shares_y[to_y + 1];
+    const auto white_in_row = [&](int j) {
+      const std::uint8_t* c = pattern.colour.data() + static_cast<std::ptrdiff_t>(row + j) * pattern.cells + column;
+      return across.left * c[-1] + across.own * c[0] + across.right * c[1];
+    };
+    const double T = down.left * white_in_row(-1) + down.own * white_in_row(0) + down.right * white_in_row(1);
     const double sign = cell.white ? 1.0 : -1.0;
     // Half of the change that the other colour would make, less the difference from the right one.
-    const double certainty = 0.5 * contrast * ax[1] * ay[1] + sign * (gray - (black + contrast * T));
+    const double certainty = 0.5 * contrast * across.own * down.own + sign * (gray - (black + contrast * T));
     if (cell.data) {
-      ++bits;
       reading.wrong_bits += certainty <= 0.0 ? 1 : 0;
-      reading.decision_margin += 2.0 * sign * (gray - (black + 0.5 * contrast));
+      sum += 2.0 * sign * (gray - (black + 0.5 * contrast));
     } else {
       ++reading.frame_cells;
       reading.wrong_frame_cells += certainty <= 0.0 ? 1 : 0;
     }
   }
-  reading.decision_margin /= std::max(bits, 1);
+  reading.decision_margin = sum / std::max(reading.bits - reading.unread_bits, 1);
   return reading;
+}
+
+}  // namespace
+
+TagReading read_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
+                    const Registration& registration) noexcept {
+  const TagReading reading = read_cells(image, camera, pattern, registration, nullptr);
+  if (reading.wrong_bits == 0 && reading.wrong_frame_cells == 0) return reading;
+  LevelField light;
+  if (!light.measure(image, camera, TagWarp(camera, registration.nHt), pattern, kLocalReach_cells, true))
+    return reading;
+  const TagReading locally = read_cells(image, camera, pattern, registration, &light);
+  const auto wrong = [](const TagReading& r) { return r.wrong_bits + r.unread_bits + r.wrong_frame_cells; };
+  return wrong(locally) < wrong(reading) ? locally : reading;
 }
 
 }  // namespace pilotfish::vision

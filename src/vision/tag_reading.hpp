@@ -9,7 +9,9 @@ namespace pilotfish::vision {
 
 /// The result of reading the cells of a template one by one.
 struct TagReading {
-  int wrong_bits = 0;         ///< of the code: nearer to the other colour
+  int bits = 0;               ///< of the code
+  int unread_bits = 0;        ///< of these: outside the picture, or without contrast around them
+  int wrong_bits = 0;         ///< of these: nearer to the other colour
   int wrong_frame_cells = 0;  ///< of the rings that all tags of the family share
   int frame_cells = 0;
   /// Mean contrast of the bits, in gray levels: twice their distance from the middle gray, wrong ones negative.
@@ -17,7 +19,8 @@ struct TagReading {
   double decision_margin = 0.0;
 };
 
-/// Reads the tag at the place given by the registration. Never throws.
+/// Reads the tag at the place given by the registration, with its levels, or if that leaves wrong cells, with those of
+/// the cells around each (a shadow's edge, a reflection). Never throws.
 TagReading read_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                     const Registration& registration) noexcept;
 

@@ -1,10 +1,11 @@
 #include "pilotfish/vision/tag_registration.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "blurred_template.hpp"
+#include "corner_covariance.hpp"
+#include "registration_task.hpp"
 #include "tag_warp.hpp"
 #include "template_samples.hpp"
 
@@ -27,11 +28,6 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr int kParameters = 16;
-enum Parameter : int { kB = 8, kC, kBx, kBy, kCx, kCy, kBlurU, kBlurV };
-using Normal = Eigen::Matrix<double, kParameters, kParameters>;
-using Parameters = Eigen::Matrix<double, kParameters, 1>;
-
 constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
 constexpr double kSpread = 1.3;      ///< samples lie so many standard deviations of the blur beside an edge, at most
 constexpr double kAtRest_px = 0.03;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
@@ -45,33 +41,11 @@ constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
 constexpr double kOutlier_sigmas = 3.0;
-
-struct Fit {
-  TagWarp warp;
-  Appearance look;
-  double noise = 0.0;  ///< gray levels, 0: not known yet
-  double outlier_share = 0.0;
-
-  Eigen::Vector4d slopes() const {
-    Eigen::Vector4d all;
-    all << look.black_slope, look.contrast_slope;
-    return all;
-  }
-};
-
-/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are accepted.
-struct NormalEquations {
-  Normal information = Normal::Zero();
-  Parameters gradient = Parameters::Zero();
-  double squared_error = 0.0;
-  int inliers = 0;
-};
-
-/// J and r, a row a sample. Single precision suffices: it affects the steps, but not the solution, where J^T r is zero.
-struct Rows {
-  Eigen::Matrix<float, TemplateSamples::kCapacity, kParameters> J;
-  Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r;
-};
+constexpr int kLitSteps = 10;  ///< a fit with local levels starts from levels that are rough
+constexpr double kLitFrom_px =
+    6.0;  ///< below, a hard shadow's edge was fitted as the tag's own: 9 of 32 headings wrong
+constexpr double kLightReach = 0.6;  ///< cells: a cell's own gray counts four times as much as its neighbour's
+constexpr double kLitBetter = 0.8;   ///< a fit with local levels must leave less than this of the residual
 
 /// Side of a cell in pixels, along the axis of the tag that looks shorter.
 double smallest_cell_px(const TagWarp& warp, const TagPattern& pattern) {
@@ -100,7 +74,9 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
 
 /// One pass over the samples: the place of each on the tag, its expected gray level there, and the derivatives.
 /// `blur_u`, `blur_v` [px^2] are what the template is blurred with, be it the picture's own blur or more.
-template <int R>
+///
+/// `Lit`: the levels are those of the light field, and what the fit finds is added to them.
+template <int R, bool Lit>
 NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const TemplateSamples& samples, double blur_u,
                           double blur_v, Rows& rows) {
   const Eigen::Matrix3f H = fit.warp.matrix().cast<float>();
@@ -124,8 +100,12 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
     const Lanes xu2 = x_u * x_u, xv2 = x_v * x_v, yu2 = y_u * y_u, yv2 = y_v * y_v;
     const Whiteness T = blurred_template<R>(samples, first, x, y, xu2 * bu + xv2 * bv, yu2 * bu + yv2 * bv, cell_side);
 
-    const Lanes C = contrast + slope[2] * x + slope[3] * y;
-    const Lanes error = samples.gray.segment<8>(first) - (black + slope[0] * x + slope[1] * y + C * T.value);
+    Lanes B = black + slope[0] * x + slope[1] * y, C = contrast + slope[2] * x + slope[3] * y;
+    if constexpr (Lit) {
+      B += samples.black.segment<8>(first);
+      C += samples.white.segment<8>(first) - samples.black.segment<8>(first);
+    }
+    const Lanes error = samples.gray.segment<8>(first) - (B + C * T.value);
     // One for a sample that is accepted, else zero; the padding of the last block is none.
     const Lanes used =
         ((error.abs() <= limit) && (lane < static_cast<float>(samples.count - first))).select(Lanes::Ones(), 0.0F);
@@ -181,11 +161,6 @@ void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEqua
   sum.gradient[kBlurV] -= blur_weight * (fit.look.blur_v_px2 - start.blur_v_px2);
 }
 
-Eigen::LDLT<Normal> scaled(const Normal& information, Parameters& scale) {
-  scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  return Eigen::LDLT<Normal>(scale.asDiagonal() * information * scale.asDiagonal());
-}
-
 void apply(const Parameters& step, bool with_blur, Fit& fit) {
   fit.warp.h += step.head<8>();
   fit.look.black += step[kB];
@@ -204,21 +179,6 @@ double largest_move(const TagWarp& before, const TagWarp& after) {
   return largest;
 }
 
-Matrix8d corner_covariance(const CameraModel& camera, const TagWarp& warp, const NormalEquations& sum, double noise) {
-  Parameters scale;
-  const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
-  Eigen::Matrix<double, kParameters, 8> unit = Eigen::Matrix<double, kParameters, 8>::Identity();
-  unit = scale.asDiagonal() * solver.solve(scale.asDiagonal() * unit);
-  Matrix8d J;
-  for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector2d& corner = tag_corners()[i];
-    const Eigen::Matrix2d pixel_from_g = warp.pixel_jacobian(camera, warp.flat(corner));
-    for (int axis = 0; axis < 2; ++axis)
-      J.row(2 * i + axis) = warp.gradient(corner, pixel_from_g.row(axis).transpose());
-  }
-  return noise * noise * J * unit.topRows<8>() * J.transpose();
-}
-
 /// What is left of the blur's shape, which is not quite Gaussian, pulls all pixels of an edge the same way; the smaller
 /// the cells, the less the edges' two flanks cancel. [px], of one corner coordinate, from renders of known geometry.
 double shape_sigma_px(const Appearance& look, double cell_px) {
@@ -226,25 +186,18 @@ double shape_sigma_px(const Appearance& look, double cell_px) {
   return kShapeError_px * std::min(blur_cells2, 1.0);
 }
 
-/// Input and scratch memory of one fit; some 100 kB, on the stack of register_tag().
-struct Task {
-  const ImageView& image;
-  const CameraModel& camera;
-  const TagPattern& pattern;
-  const Appearance& expected;
-  double cell_px;
-  TemplateSamples samples;
-  Rows rows;
-  NormalEquations sum;
-};
-
 /// One Gauss-Newton step; how far it moved the corners [px], or NaN. `extra_blur_px2` is what the samples are blurred
 /// with beyond the picture's own blur, which only a `fine` step changes.
 double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
   const double blur_u = fit.look.blur_u_px2 + extra_blur_px2, blur_v = fit.look.blur_v_px2 + extra_blur_px2;
   NormalEquations& sum = task.sum;
-  sum = task.samples.reach == 1 ? linearize<1>(fit, task.pattern, task.samples, blur_u, blur_v, task.rows)
-                                : linearize<2>(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
+  const auto passed = [&](const auto& pass) {
+    return pass(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
+  };
+  if (task.samples.light != nullptr)
+    sum = task.samples.reach == 1 ? passed(linearize<1, true>) : passed(linearize<2, true>);
+  else
+    sum = task.samples.reach == 1 ? passed(linearize<1, false>) : passed(linearize<2, false>);
   if (sum.inliers < 2 * kParameters) return std::nan("");
   fit.noise = std::max(kMinNoise, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
   fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / task.samples.count;
@@ -301,12 +254,35 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   take(task.cell_px > kLargeCell_px ? kManySamples : kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < (task.samples.light != nullptr ? kLitSteps : 6); ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return false;
     if (move_px < kAtRest_px) return true;
   }
   return move_px < kNotAtRest_px;
+}
+
+/// The same in uneven light: a shadow's edge, a reflection. Only where cells are large enough for their middles to show
+/// their levels, and for an edge of light to lie apart from theirs. False if it does not converge, or explains the
+/// picture hardly better than `plain`, if that is a fit.
+bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
+  if (task.cell_px < kLitFrom_px || !light.measure(task.image, task.camera, fit.warp, task.pattern, kLightReach, false))
+    return false;
+  const Appearance levels = fit.look;
+  // From here on the levels are what is added to those of the light.
+  fit.look.black = fit.look.white = 0.0;
+  fit.look.black_slope.setZero();
+  fit.look.contrast_slope.setZero();
+  task.samples.light = &light;
+  const bool settled = settle(task, true, fit);
+  task.samples.light = nullptr;
+  fit.look.black += levels.black;
+  fit.look.white += levels.white;
+  fit.look.black_slope += levels.black_slope;
+  fit.look.contrast_slope += levels.contrast_slope;
+  if (!settled) return false;
+  return plain == nullptr ||
+         fit.noise * (1.0 + fit.outlier_share) < kLitBetter * plain->noise * (1.0 + plain->outlier_share);
 }
 
 /// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
@@ -329,7 +305,15 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   Fit near = fit;
   if (!settle(task, false, near) || !explains(near)) {
     near = fit;
-    if (!pull_in(task, near) || !settle(task, true, near)) return std::nullopt;
+    const bool settled = pull_in(task, near) && settle(task, true, near);
+    if (!settled || !explains(near)) {
+      LevelField light;
+      Fit lit = settled ? near : fit;
+      if (settle_lit(task, light, settled ? &near : nullptr, lit))
+        near = lit;
+      else if (!settled || !settle(task, true, near))  // once more, for its normal equations
+        return std::nullopt;
+    }
   }
   if (!(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
   fit = near;
@@ -337,7 +321,7 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   Registration found;
   found.nHt = fit.warp.nHt();
   found.corners_px = tag_corners_px(camera, fit.warp);
-  found.covariance_px2 = corner_covariance(camera, fit.warp, task.sum, fit.noise);
+  found.covariance_px2 = corner_covariance(camera, fit, task);
   const double shape_px = shape_sigma_px(fit.look, cell_px);
   found.covariance_px2.diagonal().array() += shape_px * shape_px;
   found.appearance = fit.look;

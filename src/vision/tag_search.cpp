@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kLiesWell = 0.8;       ///< a correlation at which the fit converges from here
 constexpr int kMaxSteps = 12;           ///< in each direction
+constexpr double kMinShown = 0.5;       ///< share of the cells that are in the picture
 constexpr std::size_t kMaxCells = 160;  ///< of the largest family, with its rings: 12 x 12 and some
 
 /// The middle of a cell in the picture, and its colour less the mean colour.
@@ -49,6 +50,8 @@ std::optional<Shift> find_shift(const ImageView& image, const CameraModel& camer
     if (!(pixel.cwiseAbs().maxCoeff() < 1e5)) return std::nullopt;
     const Probe probe{static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())),
                       cell.white ? 1.0F : 0.0F};
+    // A tag that is leaving the picture is recognised by the cells that are in it.
+    if (probe.u < 0 || probe.v < 0 || probe.u >= image.width || probe.v >= image.height) continue;
     left = std::min(left, probe.u);
     right = std::max(right, probe.u);
     top = std::min(top, probe.v);
@@ -57,6 +60,7 @@ std::optional<Shift> find_shift(const ImageView& image, const CameraModel& camer
     probes.push_back(probe);
     if (probes.full()) break;
   }
+  if (probes.size() < kMinShown * pattern.known.size()) return std::nullopt;
   mean /= static_cast<float>(probes.size());
   float colour_energy = 0.0F;
   for (Probe& probe : probes) {

@@ -13,11 +13,13 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kMinFacing = 0.2;        ///< cosine of the largest viewing angle at which a tag is tracked
-constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not attempted
-constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
-constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
-constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's edge
+constexpr double kMinFacing = 0.2;         ///< cosine of the largest viewing angle at which a tag is tracked
+constexpr double kMinCorrelation = 0.35;   ///< below, the fit is not attempted
+constexpr double kWrongFrameCells = 0.1;   ///< share of the rings that may be dirty
+constexpr double kMaxOutliers = 0.25;      ///< share of the pixels that something else may explain
+constexpr double kMinMargin_px = 1.0;      ///< of the corners from the picture's edge
+constexpr double kMaxUnread = 0.2;         ///< share of the bits that light may hide: 36h11 differs in 11 of 36
+constexpr double kMaxUnreadOutside = 0.4;  ///< the same outside the picture, of a tag that was there just before
 
 bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
   return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {
@@ -107,9 +109,15 @@ TagOutcome<Eigen::Matrix3d> TagTracker::search(const ImageView& image, const Tag
 
 TagOutcome<Registration> TagTracker::align(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
                                            const Appearance& expected) const noexcept {
+  const TagOutcome<Registration> fit = align_anywhere(image, tag, nHt, expected);
+  if (fit && !is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
+  return fit;
+}
+
+TagOutcome<Registration> TagTracker::align_anywhere(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
+                                                    const Appearance& expected) const noexcept {
   const std::optional<Registration> fit = register_tag(image, camera_, patterns_[tag], nHt, expected);
   if (!fit) return TagRefusal::not_found;
-  if (!is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
   if (fit->cell_px < gates_.min_cell_px) return TagRefusal::too_small;
   return *fit;
 }
@@ -119,6 +127,9 @@ TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t 
   const double blur_px = std::sqrt(std::max(fit.appearance.blur_u_px2, fit.appearance.blur_v_px2));
   if (blur_px > gates_.max_blur_cells * fit.cell_px) return TagRefusal::too_blurred;
   const TagReading reading = read_tag(image, camera_, patterns_[tag], fit);
+  const bool inside = is_inside(image, fit.corners_px);
+  if (reading.unread_bits > (inside ? kMaxUnread : kMaxUnreadOutside) * reading.bits)
+    return inside ? TagRefusal::hamming : TagRefusal::outside_frame;
   if (reading.wrong_bits > max_hamming_ || reading.wrong_frame_cells > kWrongFrameCells * reading.frame_cells)
     return TagRefusal::hamming;
   if (reading.decision_margin < min_decision_margin_) return TagRefusal::margin;
@@ -140,9 +151,11 @@ TagOutcome<TagMeasurement> TagTracker::track(const ImageView& image, const TagPr
   const TagOutcome<Eigen::Matrix3d> start = search(image, prediction);
   lap(Stage::search);
   if (!start) return start.refusal;
-  const TagOutcome<Registration> fit = align(image, prediction.tag, *start, expected);
+  const TagOutcome<Registration> fit = align_anywhere(image, prediction.tag, *start, expected);
   lap(Stage::align);
   if (!fit) return fit.refusal;
+  // What a search found, it has not seen before; what is followed may be partly outside.
+  if (!(prediction.search_px > 0.0) && !is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
   TagOutcome<TagMeasurement> measured = read(image, prediction.tag, *fit);
   lap(Stage::read);
   return measured;

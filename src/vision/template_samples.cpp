@@ -20,6 +20,11 @@ void add(TemplateSamples& samples, const TagPattern& pattern, const Eigen::Vecto
   samples.gu[i] = static_cast<float>(g.x());
   samples.gv[i] = static_cast<float>(g.y());
   samples.gray[i] = static_cast<float>(gray);
+  if (samples.light != nullptr) {
+    const LevelField::Levels levels = samples.light->at(tag);
+    samples.black[i] = static_cast<float>(levels.black);
+    samples.white[i] = static_cast<float>(levels.white);
+  }
   samples.column_x[i] = static_cast<float>((column + 0.5 - 0.5 * pattern.cells) * pattern.cell_side);
   samples.row_y[i] = static_cast<float>((row + 0.5 - 0.5 * pattern.cells) * pattern.cell_side);
   const std::uint8_t* cell = pattern.colour.data() + static_cast<std::ptrdiff_t>(row - R) * pattern.cells + column - R;
@@ -34,6 +39,10 @@ void pad(TemplateSamples& samples) {
   for (int i = samples.count; i < samples.blocks() * static_cast<int>(Lanes::SizeAtCompileTime); ++i) {
     for (TemplateSamples::Column* column : {&samples.gu, &samples.gv, &samples.gray, &samples.column_x, &samples.row_y})
       (*column)[i] = (*column)[last];
+    if (samples.light != nullptr) {
+      samples.black[i] = samples.black[last];
+      samples.white[i] = samples.white[last];
+    }
     for (int n = 0; n < (2 * R + 1) * (2 * R + 1); ++n) samples.colour[n][i] = samples.colour[n][last];
   }
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "level_field.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/vision/tag_pattern.hpp"
 #include "tag_warp.hpp"
@@ -21,6 +22,8 @@ struct TemplateSamples {
   int reach = 1;                           ///< R: the template is known (2R + 1) x (2R + 1) cells around each sample
   Column gu, gv;                           ///< where the sample lies in the flat picture, see TagWarp
   Column gray;                             ///< [gray levels]
+  const LevelField* light = nullptr;       ///< if there is one: levels that differ from place to place
+  Column black, white;                     ///< levels at the sample by `light` [gray levels]
   Column column_x, row_y;                  ///< middle of the sample's own cell, in tag coordinates
   std::array<Column, kNeighbours> colour;  ///< of the cells around it, row by row: 0 black, 1 white
 

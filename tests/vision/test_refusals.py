@@ -105,18 +105,19 @@ def test_a_leader_that_jumped():
 
 
 def test_a_tag_that_leaves_the_picture():
-    # Followed out to the right, 7 px a frame. As soon as a corner is not inside any more the tag is refused by name -
-    # while it is still predicted, that is; the detector alone does not see it at all.
+    # Followed out to the right, 7 px a frame. It is used as long as three fifths of its bits are in the picture, then
+    # refused by name - while it is still predicted, that is; the detector alone does not see it at all.
     eye, reasons = observer(), []
     for k in range(40):
         reasons.append(eye.observe(frame(picture((1.0, -0.36 - 0.01 * k, 0.0), seed=k), k)).reason)
     first = next(k for k, reason in enumerate(reasons) if reason != Reason.none)
     assert first > 3
     assert reasons[first] == Reason.tag_outside_frame
-    # Out of the picture beyond cx = 319.5 px from the middle: tan(0.36 + 0.01 k) 600 + 46 px of half a tag, less 12 px
-    # of white ring at most.
-    reach_px = 600 * np.tan(0.36 + 0.01 * first) + 0.08 * 600
-    assert 319.5 - 12 < reach_px < 319.5 + 12
+    # The bits are six columns of 12 px around the tag's middle, which is tan(0.36 + 0.01 k) 600 px from the picture's.
+    # With three of them outside too few are left: the first of those is read 6 px beyond the middle, and the picture
+    # ends at 319.5 px. A frame is a step of 7 px.
+    middle_px = 600 * np.tan(0.36 + 0.01 * first)
+    assert 319.5 - 6 - 2 < middle_px < 319.5 - 6 + 9
     assert Reason.none not in reasons[first:]
     assert eye.rejected.outside_frame >= 1
     assert set(counted(eye)) == {"outside_frame"}

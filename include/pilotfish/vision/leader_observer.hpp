@@ -103,6 +103,7 @@ class LeaderObserver {
   Reason why_unusable(const ImageView& image) const;
   Attempt track_tags(const ImageView& image, const Eigen::Isometry3d& predicted_cMo);
   Attempt detect_tags(const ImageView& image, const SearchRegion& region, double decimation, FoundBy found_by);
+  Detections search_whole(const ImageView& image, bool coarse);
   /// `origin_px`: the origin, in the picture, of the part that the detections refer to.
   Attempt track_detections(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
                            FoundBy found_by);

@@ -39,6 +39,9 @@ struct Detections {
   int refused_hamming = 0;         ///< number of tags with more corrected bits than max_hamming
   int refused_margin = 0;          ///< number of tags with a decision margin below min_decision_margin
 
+  /// Adds those of another search of the same picture, of which `origin_px` was the first pixel. A tag that both found
+  /// counts once, with the corners of the finer search, `other`.
+  void merge(const Detections& other, const Eigen::Vector2d& origin_px);
   bool is_unique(int id) const;  ///< whether it was found exactly once: two tags of one id are ambiguous
 };
 

@@ -63,7 +63,9 @@ class TagTracker {
   TagOutcome<TagMeasurement> read(const ImageView& image, std::size_t tag,
                                   const Registration& registration) const noexcept;
 
-  /// search(), align() and read(); `stopwatch`, if there is one, gets a lap after each.
+  /// search(), align() and read(). A tag that is followed (search_px > 0) may be partly outside the picture, as long as
+  /// three fifths of its bits are in it; one that was detected may not. `stopwatch`, if there is one, gets a lap after
+  /// each.
   TagOutcome<TagMeasurement> track(const ImageView& image, const TagPrediction& prediction, const Appearance& expected,
                                    StageStopwatch* stopwatch = nullptr) const noexcept;
 
@@ -76,6 +78,9 @@ class TagTracker {
   double cell_px(std::size_t tag, double focal_px, double depth_m) const noexcept;
 
  private:
+  TagOutcome<Registration> align_anywhere(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
+                                          const Appearance& expected) const noexcept;
+
   CameraModel camera_;
   LeaderBody body_;
   std::vector<TagPattern> patterns_;  ///< of body_.tags, in their order

@@ -1,0 +1,82 @@
+#include "level_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace pilotfish::vision {
+namespace {
+
+constexpr int kReach = 3;  ///< cells farther away do not count
+
+/// The weighted mean of 3 x 3 pixels; negative outside the picture.
+float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
+  if (!(pixel.x() >= 0.5 && pixel.y() >= 0.5 && pixel.x() < image.width - 1.5 && pixel.y() < image.height - 1.5))
+    return -1.0F;
+  const auto u = static_cast<std::ptrdiff_t>(pixel.x() + 0.5), v = static_cast<std::ptrdiff_t>(pixel.y() + 0.5);
+  const std::uint8_t* middle = image.data + v * image.stride_bytes + u;
+  const auto row = [](const std::uint8_t* p) { return p[-1] + 2 * p[0] + p[1]; };
+  return static_cast<float>(row(middle - image.stride_bytes) + 2 * row(middle) + row(middle + image.stride_bytes)) /
+         16.0F;
+}
+
+}  // namespace
+
+bool LevelField::measure(const ImageView& image, const CameraModel& camera, const TagWarp& warp,
+                         const TagPattern& pattern, double reach_cells, bool without_own) {
+  side_ = pattern.cells - 2 * TagPattern::kMargin;
+  cell_side_ = pattern.cell_side;
+  if (side_ > kSide) return false;
+  // By cell: its gray, negative where it is not known, and its colour.
+  std::array<float, static_cast<std::size_t>(kSide) * kSide> gray;
+  std::array<bool, static_cast<std::size_t>(kSide) * kSide> white{};
+  gray.fill(-1.0F);
+  for (const TagPattern::Cell& known : pattern.known) {
+    const int column = static_cast<int>(known.centre.x() / cell_side_ + 0.5 * side_);
+    const int row = static_cast<int>(known.centre.y() / cell_side_ + 0.5 * side_);
+    const std::size_t index = static_cast<std::size_t>(row) * kSide + column;
+    // A ring may have been cut to half its width: its inner part is there in any case.
+    const bool outermost = column == 0 || row == 0 || column == side_ - 1 || row == side_ - 1;
+    const double inwards = outermost ? 1.0 - 0.4 / side_ : 1.0;
+    gray[index] = gray_at(image, warp.pixel(camera, warp.flat(inwards * known.centre)));
+    white[index] = known.white;
+  }
+  std::array<float, 2 * kReach * kReach + 1> weight{};
+  for (std::size_t d2 = 0; d2 < weight.size(); ++d2)
+    weight[d2] = static_cast<float>(std::exp(-0.5 * static_cast<double>(d2) / (reach_cells * reach_cells)));
+
+  for (int row = 0; row < side_; ++row)
+    for (int column = 0; column < side_; ++column) {
+      float sum[2] = {0.0F, 0.0F}, weights[2] = {0.0F, 0.0F};
+      for (int j = std::max(row - kReach, 0); j <= std::min(row + kReach, side_ - 1); ++j)
+        for (int i = std::max(column - kReach, 0); i <= std::min(column + kReach, side_ - 1); ++i) {
+          const std::size_t index = static_cast<std::size_t>(j) * kSide + i;
+          const int d2 = (i - column) * (i - column) + (j - row) * (j - row);
+          if (gray[index] < 0.0F || (without_own && d2 == 0)) continue;
+          sum[white[index]] += weight[d2] * gray[index];
+          weights[white[index]] += weight[d2];
+        }
+      if (weights[0] < 1e-6F || weights[1] < 1e-6F) {
+        levels_[static_cast<std::size_t>(row) * kSide + column] = {0.0, 0.0};  // no contrast: nothing can be read
+        continue;
+      }
+      levels_[static_cast<std::size_t>(row) * kSide + column] = {sum[0] / weights[0], sum[1] / weights[1]};
+    }
+  return true;
+}
+
+LevelField::Levels LevelField::at(const Eigen::Vector2d& tag) const {
+  const double last = side_ - 1.0;
+  const double x = std::clamp(tag.x() / cell_side_ + 0.5 * last, 0.0, last - 1e-6);
+  const double y = std::clamp(tag.y() / cell_side_ + 0.5 * last, 0.0, last - 1e-6);
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  const double a = x - column, b = y - row;
+  const Levels &p = cell(column, row), &q = cell(column + 1, row), &r = cell(column, row + 1),
+               &s = cell(column + 1, row + 1);
+  const auto mixed = [&](double Levels::*level) {
+    return (1 - b) * ((1 - a) * p.*level + a * q.*level) + b * ((1 - a) * r.*level + a * s.*level);
+  };
+  return {mixed(&Levels::black), mixed(&Levels::white)};
+}
+
+}  // namespace pilotfish::vision

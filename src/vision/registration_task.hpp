@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+
+#include "pilotfish/vision/tag_registration.hpp"
+#include "tag_warp.hpp"
+#include "template_samples.hpp"
+
+// What the parts of one fit of a template share; tag_registration.cpp says what is fitted.
+
+namespace pilotfish::vision {
+
+inline constexpr int kParameters = 16;
+enum Parameter : int { kB = 8, kC, kBx, kBy, kCx, kCy, kBlurU, kBlurV };
+using Normal = Eigen::Matrix<double, kParameters, kParameters>;
+using Parameters = Eigen::Matrix<double, kParameters, 1>;
+
+struct Fit {
+  TagWarp warp;
+  Appearance look;
+  double noise = 0.0;  ///< gray levels, 0: not known yet
+  double outlier_share = 0.0;
+
+  Eigen::Vector4d slopes() const {
+    Eigen::Vector4d all;
+    all << look.black_slope, look.contrast_slope;
+    return all;
+  }
+};
+
+/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are accepted.
+struct NormalEquations {
+  Normal information = Normal::Zero();
+  Parameters gradient = Parameters::Zero();
+  double squared_error = 0.0;
+  int inliers = 0;
+};
+
+/// J and r, a row a sample. Single precision suffices: it affects the steps, but not the solution, where J^T r is zero.
+struct Rows {
+  Eigen::Matrix<float, TemplateSamples::kCapacity, kParameters> J;
+  Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r;
+};
+
+/// Of the information, with a diagonal of ones: the parameters differ in size.
+inline Eigen::LDLT<Normal> scaled(const Normal& information, Parameters& scale) {
+  scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  return Eigen::LDLT<Normal>(scale.asDiagonal() * information * scale.asDiagonal());
+}
+
+/// Input and scratch memory of one fit; some 100 kB, on the stack of register_tag().
+struct Task {
+  const ImageView& image;
+  const CameraModel& camera;
+  const TagPattern& pattern;
+  const Appearance& expected;
+  double cell_px;
+  TemplateSamples samples;
+  Rows rows;
+  NormalEquations sum;
+};
+
+}  // namespace pilotfish::vision
