@@ -141,6 +141,17 @@ def test_half_a_second_of_agreement_comes_before_any_use():
     assert uses == [Use.probation] * 15 + [Use.agrees] * 15
 
 
+def test_a_word_older_than_the_picture_by_more_than_allowed_is_not_used_and_begins_anew():
+    _, judge = judged_for(1.0, twist(SPEED_MPS))  # the last word came at 1 + 29/30 s
+    estimate = control.LeaderEstimate(EAST, SHARP)
+    allowed_us = round(control.LeaderIntentConfig().max_age_s * 1e6)
+    last_utime = 1_000_000 + round(29 / 30 * 1e6)
+    assert judge.evaluate(estimate, (0.0, 0.0, 0.0), last_utime + allowed_us) == Use.agrees
+    assert judge.evaluate(estimate, (0.0, 0.0, 0.0), last_utime + allowed_us + 1_000) == Use.silent
+    uses, _ = judged_for(0.2, twist(SPEED_MPS), judge=judge, start_s=1.2)
+    assert set(uses) == {Use.probation}
+
+
 def test_agreement_with_an_estimate_that_knows_nothing_is_no_merit():
     """At 0.5 m/s of standard deviation anything agrees."""
     uses, _ = judged_for(2.0, twist(0.0), covariance=np.diag([1e-4, 1e-4, 0.5, 0.5, 1e-3, 1e-2]) ** 2)
