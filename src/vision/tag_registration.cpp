@@ -42,7 +42,7 @@ constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samp
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
 constexpr double kOutlier_sigmas = 3.0;
 constexpr int kLitSteps = 10;        ///< a fit with local levels starts from levels that are rough
-constexpr double kLitFrom_px = 6.0;  ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
+constexpr double kLitFrom_px = 5.0;  ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
 constexpr double kLightReach = 0.6;  ///< cells: a cell's own gray counts four times as much as its neighbour's
 constexpr double kLitBetter = 0.8;   ///< a fit with local levels must leave less than this of the residual
 
