@@ -13,7 +13,8 @@ constexpr int kReach = 3;  ///< cells farther away do not count
 float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
   if (!(pixel.x() >= 0.5 && pixel.y() >= 0.5 && pixel.x() < image.width - 1.5 && pixel.y() < image.height - 1.5))
     return -1.0F;
-  const auto u = static_cast<std::ptrdiff_t>(pixel.x() + 0.5), v = static_cast<std::ptrdiff_t>(pixel.y() + 0.5);
+  const Eigen::Vector2d from_rim = pixel + Eigen::Vector2d(0.5, 0.5);
+  const auto u = static_cast<std::ptrdiff_t>(from_rim.x()), v = static_cast<std::ptrdiff_t>(from_rim.y());
   const std::uint8_t* middle = image.data + v * image.stride_bytes + u;
   const auto row = [](const std::uint8_t* p) { return p[-1] + 2 * p[0] + p[1]; };
   return static_cast<float>(row(middle - image.stride_bytes) + 2 * row(middle) + row(middle + image.stride_bytes)) /

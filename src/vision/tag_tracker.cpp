@@ -109,7 +109,7 @@ TagOutcome<Eigen::Matrix3d> TagTracker::search(const ImageView& image, const Tag
 
 TagOutcome<Registration> TagTracker::align(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
                                            const Appearance& expected) const noexcept {
-  const TagOutcome<Registration> fit = align_anywhere(image, tag, nHt, expected);
+  TagOutcome<Registration> fit = align_anywhere(image, tag, nHt, expected);
   if (fit && !is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
   return fit;
 }

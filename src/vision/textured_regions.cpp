@@ -89,7 +89,8 @@ TexturedRegions textured_regions(const ImageView& image, int min_contrast) noexc
 
   double left_px = kLargestShare * image.width * image.height;
   while (!regions.full()) {
-    const auto best = std::max_element(blocks.hits.begin(), blocks.hits.begin() + blocks.columns * blocks.rows);
+    const auto best = std::max_element(blocks.hits.begin(),
+                                       blocks.hits.begin() + static_cast<std::ptrdiff_t>(blocks.columns) * blocks.rows);
     if (*best == 0) break;
     const int index = static_cast<int>(best - blocks.hits.begin());
     int first_column = index % blocks.columns, last_column = first_column;
