@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pilotfish/core/utime.hpp"
+#include "third_difference.hpp"
 
 namespace pilotfish::control {
 namespace {
@@ -150,15 +151,7 @@ bool DriveIdentifier::pick(Four& four) const noexcept {
 }
 
 void DriveIdentifier::weigh(const Four& four, double since_last_s) noexcept {
-  std::array<double, 4> weight;
-  double norm2 = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    double product = 1.0;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (k != i) product *= seconds_between(four[k].utime, four[i].utime);
-    weight[i] = 1.0 / product;
-    norm2 += weight[i] * weight[i];
-  }
+  const auto [weight, norm2] = third_difference(four);
   std::array<double, kLatencies * kLags> squared;
   for (std::size_t latency = 0; latency < kLatencies; ++latency) {
     std::array<double, kLags> x{}, y{};

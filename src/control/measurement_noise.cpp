@@ -6,6 +6,7 @@
 
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/utime.hpp"
+#include "third_difference.hpp"
 
 namespace pilotfish::control {
 namespace {
@@ -29,16 +30,7 @@ void MeasurementNoise::add(const LeaderFix& fix) noexcept {
   fixes_.push_back(fix);
   if (!fixes_.full()) return;
 
-  // Times from the first, so that their differences keep all their digits.
-  std::array<double, 4> weight;
-  double norm2 = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    double product = 1.0;
-    for (std::size_t j = 0; j < 4; ++j)
-      if (j != i) product *= seconds_between(fixes_[j].utime, fixes_[i].utime);
-    weight[i] = 1.0 / product;
-    norm2 += weight[i] * weight[i];
-  }
+  const auto [weight, norm2] = third_difference(fixes_);
   Eigen::Vector3d residual = Eigen::Vector3d::Zero();
   Eigen::Matrix3d claimed = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < 4; ++i) {
