@@ -78,7 +78,7 @@ class Loop {
     const bool may_move = report.status == Status::tracking || report.status == Status::coasting;
     const base::ReceivedCommand command{report.session, report.counter, report.base_session,
                                         may_move ? report.command : Twist{}, report.simulated};
-    if (base_.receive(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::obeyed) fresh_ = true;
+    if (base_.receive(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::accepted) fresh_ = true;
   }
   void receive(const bus::SetpointReport& report) {
     const base::ReceivedSetpoint setpoint{report.session, report.counter, report.setpoint.run};
@@ -103,7 +103,7 @@ class Loop {
     const std::string trouble = driver_.trouble(now);
     base_.driver_works(trouble.empty());
     const base::BaseOutput output = base_.step(now);
-    const bool changed = output.state != last_.state || output.obeys != last_.obeys ||
+    const bool changed = output.state != last_.state || output.accepted_session != last_.accepted_session ||
                          (output.command == Twist{} && !(last_command_ == Twist{}));
     const bool due = next_period_ <= now;
     if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) tell(output, now);
@@ -135,7 +135,7 @@ class Loop {
     report.utime = wall_utime();
     report.session = base_.session();
     report.counter = ++counter_;
-    report.obeys = output.obeys;
+    report.accepted_session = output.accepted_session;
     report.command = output.command;
     report.measured = std::exchange(measured_, std::nullopt);
     report.stopped = base_.stopped();
@@ -155,16 +155,16 @@ class Loop {
 
   /// A state that keeps changing must not fill a disk.
   void log(const base::BaseOutput& output, const std::string& trouble, MonotonicTime now) {
-    if (output.state == logged_state_ && output.obeys == logged_obeys_) return;
+    if (output.state == logged_state_ && output.accepted_session == logged_session_) return;
     if (now.us - logged_.us < kBetweenLogs_us) return;
     logged_ = now;
     logged_state_ = output.state;
-    logged_obeys_ = output.obeys;
+    logged_session_ = output.accepted_session;
     service_.status(trouble.empty() ? to_string(output.state) : trouble);
     if (!trouble.empty()) {
       spdlog::error("{}: {}", to_string(output.state), trouble);
-    } else if (output.obeys != 0) {
-      spdlog::info("{}, obeying session {:x}", to_string(output.state), output.obeys);
+    } else if (output.accepted_session != 0) {
+      spdlog::info("{}, accepted session {:x}", to_string(output.state), output.accepted_session);
     } else {
       spdlog::info("{}, obeying nobody", to_string(output.state));
     }
@@ -211,7 +211,7 @@ class Loop {
   std::optional<Twist> measured_;
   MonotonicTime logged_, refusals_logged_;
   std::optional<base::BaseState> logged_state_;
-  std::int64_t logged_obeys_ = 0;
+  std::int64_t logged_session_ = 0;
   bus::Counters logged_refusals_;
 };
 

@@ -37,7 +37,7 @@ config::BaseFile load(const BaseOptions& options) {
 }
 
 /// Prints what will be used, so that a log shows the settings.
-void announce(const config::BaseFile& file, const bus::Bus& bus) {
+void log_start(const config::BaseFile& file, const bus::Bus& bus) {
   const base::BaseConfig& config = file.base;
   const std::string driver = file.driver.kind == Kind::serial      ? "serial line " + file.driver.device
                              : file.driver.kind == Kind::simulator ? "simulator"
@@ -63,7 +63,7 @@ int run(const BaseOptions& options) {
         file.driver.kind == Kind::serial ? serial_driver(file.driver.device, file.base) : published_driver();
     bus::Bus bus(options.lcm_url);
     if (key) bus.set_key(*key);
-    announce(file, bus);
+    log_start(file, bus);
     lock_memory();
     base_loop({file.name, file.base.rate_hz}, base, *driver, bus, service);
   } catch (const bus::BusError& error) {

@@ -94,7 +94,7 @@ void BusListener::hear_setpoint(const bus::SetpointReport& asked) {
   if (sender_ == nullptr) return;
   const SetpointDecision decision = gate_.decide(asked.session, asked.counter, asked.setpoint, kept_);
   switch (decision.verdict) {
-    case SetpointVerdict::stopped: sender_->stop_heard(); break;
+    case SetpointVerdict::stopped: sender_->stop_received(); break;
     case SetpointVerdict::accepted: break;
     default: ++refused_setpoints_[std::string(to_string(decision.verdict))]; return;
   }

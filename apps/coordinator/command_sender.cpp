@@ -108,7 +108,7 @@ void CommandSender::answer_again(std::int64_t image_utime) {
   send(holds, image_utime, now, effective, holds.reason);
 }
 
-void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
+void CommandSender::setpoint_changed(const HeldCommand& held, std::int64_t stops) {
   const std::lock_guard lock(mutex_);
   core_held_ = held;
   held_.run = held.run;
@@ -116,7 +116,7 @@ void CommandSender::told(const HeldCommand& held, std::int64_t stops) {
   stops_applied_ = std::max(stops_applied_, stops);
 }
 
-std::int64_t CommandSender::stop_heard() {
+std::int64_t CommandSender::stop_received() {
   const std::lock_guard lock(mutex_);
   ++stops_received_;
   held_.holding = false;

@@ -55,11 +55,11 @@ class CommandSender {
   /// The same frame was received again: the same answer, as far as it still holds.
   void answer_again(std::int64_t image_utime);
   /// The coordinator's setpoint was set; `stops` of the stops received are included.
-  void told(const HeldCommand& held, std::int64_t stops);
+  void setpoint_changed(const HeldCommand& held, std::int64_t stops);
 
   /// A stop was received: zeros from now on, until the coordinator has handled it and a resume. Returns its
   /// number.
-  std::int64_t stop_heard();
+  std::int64_t stop_received();
   std::int64_t stops_received() const;
   /// Another sender commands this robot: zeros from both, until a second after the last of the other's.
   void rival_heard(MonotonicTime now);

@@ -139,7 +139,7 @@ class Loop {
       return;
     }
     reporter_.setpoint_counter = std::max(reporter_.setpoint_counter, received.counter);
-    parts_.sender.told(coordinator_.held(), received.stops_received);
+    parts_.sender.setpoint_changed(coordinator_.held(), received.stops_received);
     log_setpoint();
   }
 

@@ -61,7 +61,7 @@ config::CoordinatorFile load(const Options& options) {
 }
 
 /// Prints what will be used, so that a log shows the settings.
-void announce(const config::CoordinatorFile& file, const bus::Bus& bus) {
+void log_start(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
   spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, config.control.active_law,
                to_string(config.control.profile), config.setpoint.distance_m, degrees(config.setpoint.bearing_rad),
@@ -203,7 +203,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   Supervisor supervisor(sender, *inbox);
   listener.start(sender, [&](const std::string& problem) { supervisor.fail("the bus: " + problem); });
 
-  announce(file, listener.bus());
+  log_start(file, listener.bus());
   if (black_box) spdlog::info("black box: {} MB at most in {}", file.black_box.total_mb, file.black_box.directory);
   if (simulated)
     spdlog::info("time is simulated: it passes as the frames' stamps say, and real wheels ignore the commands");

@@ -29,12 +29,12 @@ sim::Scenario load(const SimOptions& options) {
   return scenario;
 }
 
-void announce(const sim::Scenario& scenario, const bus::Bus& bus, bool real_time) {
+void log_start(const sim::Scenario& scenario, const bus::Bus& bus, bool real_time) {
   spdlog::info("scenario {}: {}", scenario.name, scenario.description);
   for (const sim::RobotSpec& robot : scenario.robots)
     spdlog::info("robot {}: {}", robot.name,
                  robot.trajectory        ? "drives its trajectory"
-                 : robot.follows.empty() ? "obeys commands"
+                 : robot.follows.empty() ? "takes commands"
                                          : "follows " + robot.follows);
   spdlog::info("{:.1f} s at {:.0f} Hz, seed {}, {}", scenario.duration_s, scenario.frame_rate_hz, scenario.seed,
                real_time ? "in real time" : "in lock-step");
@@ -65,7 +65,7 @@ int run(const SimOptions& options) {
   try {
     bus::Bus bus(options.lcm_url);
     if (key) bus.set_key(*key);
-    announce(world.scenario(), bus, options.real_time);
+    log_start(world.scenario(), bus, options.real_time);
     Runner runner(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr,
                   {options.publish_intent, options.driven_by_base});
     summarise(options.real_time ? runner.play_in_real_time() : runner.play_in_lockstep(), world);

@@ -60,7 +60,7 @@ void bind_kinematics(py::module_& m) {
 
 void bind_guards(py::module_& m) {
   py::enum_<CommandVerdict> verdict(m, "CommandVerdict", "What became of a command.");
-  verdict.value("obeyed", CommandVerdict::obeyed)
+  verdict.value("accepted", CommandVerdict::accepted)
       .value("malformed", CommandVerdict::malformed)
       .value("base_session_wrong", CommandVerdict::base_session_wrong)
       .value("simulated", CommandVerdict::simulated)
@@ -91,7 +91,7 @@ void bind_base(py::module_& m) {
   py::class_<BaseOutput>(m, "BaseOutput", "What the wheels are to be told, and why.")
       .def_readonly("state", &BaseOutput::state, "BaseState: what the wheels' process is doing")
       .def_readonly("command", &BaseOutput::command, "Twist behind every limit; zero unless driving")
-      .def_readonly("obeys", &BaseOutput::obeys, "0: nobody");
+      .def_readonly("accepted_session", &BaseOutput::accepted_session, "0: none");
   py::class_<Base>(m, "Base", "Everything that decides what the wheels are told; times are on a monotonic clock [us].")
       .def(py::init<const BaseConfig&, std::int64_t, bool>(), py::arg("config"), py::kw_only(), py::arg("session"),
            py::arg("simulated_allowed"),
@@ -113,7 +113,8 @@ void bind_base(py::module_& m) {
             return self.receive(ReceivedSetpoint{session, counter, run}, {now_us});
           },
           py::kw_only(), py::arg("session") = 0, py::arg("counter") = 0, py::arg("run"), py::arg("now_us"),
-          "LatchVerdict of a setpoint: run=False latches a stop whoever says so; run=True must name the obeyed session "
+          "LatchVerdict of a setpoint: run=False latches a stop whoever says so; run=True must name the accepted "
+          "session "
           "and a counter that rises.")
       .def("driver_works", &Base::driver_works, py::arg("works"), "The driver can or cannot be reached.")
       .def(
@@ -126,7 +127,7 @@ void bind_base(py::module_& m) {
             return deadline ? std::optional(deadline->us) : std::nullopt;
           },
           "when step() must be asked again at the latest [us], because a command gets too old; None if nothing is "
-          "obeyed")
+          "accepted")
       .def_property_readonly("session", &Base::session,
                              "this process's own session, which commands name as base_session")
       .def_property_readonly("rejected", &Base::rejected, "what was refused, by name");

@@ -35,7 +35,8 @@ void bind_reports(py::module_& m) {
            "Fields by keyword, as the attributes of the same name.")
       .def_readwrite("utime", &CommandReport::utime,
                      "exposure [us] of the image it answers; of the last one, when none came")
-      .def_readwrite("session", &CommandReport::session, "the sender's, see new_session_id(); 0: nobody obeys it")
+      .def_readwrite("session", &CommandReport::session,
+                     "the sender's, see new_session_id(); 0: it is accepted by nobody")
       .def_readwrite("counter", &CommandReport::counter, "one more with every command sent in this session")
       .def_readwrite("base_session", &CommandReport::base_session,
                      "of the wheels' process that the sender has heard; 0: none")
@@ -65,20 +66,22 @@ void bind_reports(py::module_& m) {
       .value("driving", BaseReport::State::driving)
       .value("stopped", BaseReport::State::stopped)
       .value("fault", BaseReport::State::fault);
-  base.def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t obeys,
+  base.def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t accepted_session,
                        const Twist& command, std::optional<Twist> measured, bool stopped, BaseReport::State state,
                        std::string text, Counters rejected) {
-             return BaseReport{utime,    session, counter, obeys,           command,
-                               measured, stopped, state,   std::move(text), std::move(rejected)};
+             return BaseReport{utime,    session, counter, accepted_session, command,
+                               measured, stopped, state,   std::move(text),  std::move(rejected)};
            }),
-           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("obeys") = 0,
-           py::arg("command") = Twist{}, py::arg("measured") = py::none(), py::arg("stopped") = false,
-           py::arg_v("state", BaseReport::State::waiting, "BaseReport.State.waiting"), py::arg("text") = "",
-           py::arg("rejected") = Counters{}, "Fields by keyword, as the attributes of the same name.")
+           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0,
+           py::arg("accepted_session") = 0, py::arg("command") = Twist{}, py::arg("measured") = py::none(),
+           py::arg("stopped") = false, py::arg_v("state", BaseReport::State::waiting, "BaseReport.State.waiting"),
+           py::arg("text") = "", py::arg("rejected") = Counters{},
+           "Fields by keyword, as the attributes of the same name.")
       .def_readwrite("utime", &BaseReport::utime, "when it was sent [us]")
       .def_readwrite("session", &BaseReport::session, "of the wheels' process; commands name it")
       .def_readwrite("counter", &BaseReport::counter, "one more with every report of this session")
-      .def_readwrite("obeys", &BaseReport::obeys, "the session whose commands are obeyed; 0: nobody's")
+      .def_readwrite("accepted_session", &BaseReport::accepted_session,
+                     "the session whose commands are accepted; 0: none")
       .def_readwrite("command", &BaseReport::command, "Twist that the wheels are told, after every limit")
       .def_readwrite("measured", &BaseReport::measured,
                      "Twist that the wheels did, from their encoders; None if nobody measures")

@@ -126,7 +126,7 @@ void bind_leader_intent(py::module_& m) {
   py::class_<LeaderIntent>(m, "LeaderIntent", "The twist a leader announces of itself, and what it is worth.")
       .def(py::init<const LeaderIntentConfig&>(), py::arg("config") = LeaderIntentConfig{},
            "config: LeaderIntentConfig. Nothing has been heard yet.")
-      .def("announce", &LeaderIntent::announce, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
+      .def("update", &LeaderIntent::update, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
       .def(
           "evaluate",
           [](LeaderIntent& self, const LeaderEstimate& seen, const std::array<double, 3>& own, std::int64_t utime) {

@@ -148,7 +148,7 @@ void bind_scenario(py::module_& m) {
       .def(py::init<>(), "Defaults; set the attributes. Scenario.validate() checks them.")
       .def_readwrite("name", &RobotSpec::name, "name of the robot: its channels and its noise come from it")
       .def_readwrite("start", &RobotSpec::start, "Pose2 at time 0 in the world frame")
-      .def_readwrite("trajectory", &RobotSpec::trajectory, "None: it follows somebody or obeys commands")
+      .def_readwrite("trajectory", &RobotSpec::trajectory, "None: it follows somebody or takes commands")
       .def_readwrite("follows", &RobotSpec::follows, "name of its leader; empty if none")
       .def_readwrite("drive", &RobotSpec::drive, "DriveConfig: what its wheels can do")
       .def_readwrite("body", &RobotSpec::body, "RobotBody that others see; None: it is invisible")

@@ -45,7 +45,7 @@ CommandVerdict Base::receive(const ReceivedCommand& command, MonotonicTime arriv
 }
 
 LatchVerdict Base::receive(const ReceivedSetpoint& setpoint, MonotonicTime now) noexcept {
-  const LatchVerdict verdict = latch_.receive(setpoint, guard_.obeys(now));
+  const LatchVerdict verdict = latch_.receive(setpoint, guard_.accepted_session(now));
   if (verdict == LatchVerdict::other_session) ++refused_other_session_;
   if (verdict == LatchVerdict::replayed) ++refused_replayed_;
   return verdict;
@@ -54,7 +54,7 @@ LatchVerdict Base::receive(const ReceivedSetpoint& setpoint, MonotonicTime now) 
 BaseOutput Base::step(MonotonicTime now) noexcept {
   const std::optional<Twist> command = guard_.command_at(now);
   BaseOutput output;
-  output.obeys = guard_.obeys(now);
+  output.accepted_session = guard_.accepted_session(now);
   if (!driver_works_) {
     output.state = BaseState::fault;
   } else if (latch_.stopped()) {
@@ -75,7 +75,7 @@ std::map<std::string, std::int64_t> Base::rejected() const {
   for (int i = 0; i < kCommandVerdicts; ++i) {
     const auto verdict = static_cast<CommandVerdict>(i);
     const std::int64_t count = refused_commands_[static_cast<std::size_t>(i)];
-    if (verdict != CommandVerdict::obeyed && count > 0) counters.emplace(to_string(verdict), count);
+    if (verdict != CommandVerdict::accepted && count > 0) counters.emplace(to_string(verdict), count);
   }
   if (refused_other_session_ > 0) counters.emplace(to_string(LatchVerdict::other_session), refused_other_session_);
   if (refused_replayed_ > 0) counters.emplace(to_string(LatchVerdict::replayed), refused_replayed_);

@@ -13,7 +13,7 @@ std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(sec
 
 std::string_view to_string(CommandVerdict verdict) noexcept {
   switch (verdict) {
-    case CommandVerdict::obeyed: return "command_obeyed";
+    case CommandVerdict::accepted: return "command_accepted";
     case CommandVerdict::malformed: return "command_malformed";
     case CommandVerdict::base_session_wrong: return "base_session_wrong";
     case CommandVerdict::simulated: return "command_simulated";
@@ -83,7 +83,7 @@ CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTi
   last_heard_ = now;
   last_arrival_ = std::min(arrived, now);
   command_ = command.twist;
-  return CommandVerdict::obeyed;
+  return CommandVerdict::accepted;
 }
 
 std::optional<Twist> CommandGuard::command_at(MonotonicTime now) noexcept {
@@ -96,7 +96,7 @@ std::optional<MonotonicTime> CommandGuard::deadline() const noexcept {
   return MonotonicTime{last_arrival_.us + microseconds(config_.max_command_age_s)};
 }
 
-std::int64_t CommandGuard::obeys(MonotonicTime now) noexcept {
+std::int64_t CommandGuard::accepted_session(MonotonicTime now) noexcept {
   advance(now);
   return obeyed_;
 }

@@ -13,8 +13,8 @@ std::string_view to_string(LatchVerdict verdict) noexcept {
   return "resume_unknown";
 }
 
-LatchVerdict StopLatch::receive(const ReceivedSetpoint& setpoint, std::int64_t obeyed) noexcept {
-  const bool ours = obeyed != 0 && setpoint.session == obeyed;
+LatchVerdict StopLatch::receive(const ReceivedSetpoint& setpoint, std::int64_t accepted_session) noexcept {
+  const bool ours = accepted_session != 0 && setpoint.session == accepted_session;
   const bool rises = ours && (setpoint.session != session_ || setpoint.counter > highest_counter_);
   if (rises) {
     session_ = setpoint.session;

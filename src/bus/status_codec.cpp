@@ -119,7 +119,7 @@ base_t encode(const BaseReport& report, std::string_view& repaired, std::size_t 
   message.utime = report.utime;
   message.session = report.session;
   message.counter = report.counter;
-  message.obeys = report.obeys;
+  message.accepted_session = report.accepted_session;
   message.linear_mps = finite(report.command.linear_mps);
   message.angular_radps = finite(report.command.angular_radps);
   const bool measured_finite = report.measured && is_finite(*report.measured);
@@ -170,7 +170,7 @@ Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes) {
   report.utime = message.utime;
   report.session = message.session;
   report.counter = message.counter;
-  report.obeys = message.obeys;
+  report.accepted_session = message.accepted_session;
   report.command = {message.linear_mps, message.angular_radps};
   const Twist measured{message.measured_linear_mps, message.measured_angular_radps};
   if (!is_finite(report.command) || !is_finite(measured)) return Result::reject("base_not_finite");

@@ -11,20 +11,6 @@ namespace {
 
 constexpr const char* kRadians = "_rad";
 
-/// yaml-cpp walks into a nested list for as long as it goes on (some 0.2 s per 100 kB) before it gives up at 500
-/// levels; nothing here nests more than six deep. Brackets in comments and quotes count as well, which
-/// makes no difference in practice.
-constexpr int kMaxNesting = 64;
-
-int deepest_bracket(const std::string& text) {
-  int depth = 0, deepest = 0;
-  for (const char c : text) {
-    if (c == '[' || c == '{') deepest = std::max(deepest, ++depth);
-    if ((c == ']' || c == '}') && depth > 0) --depth;
-  }
-  return deepest;
-}
-
 /// Decimal, the whole of it ("640abc" is none, and 010 is ten), or one of YAML's words for infinity and NaN.
 double as_number(const YAML::Node& node, const ConfigError& wrong_type) {
   if (!node.IsScalar()) throw wrong_type;
@@ -49,20 +35,6 @@ std::string shown(const YAML::Node& node) {
 }
 
 }  // namespace
-
-YAML::Node parse_yaml(const std::string& text, const std::string& key, const std::filesystem::path& path) {
-  check_utf8(text, key, path);
-  if (deepest_bracket(text) > kMaxNesting)
-    throw ConfigError(key, path.string() + " is not valid YAML: brackets in brackets, more than " +
-                               std::to_string(kMaxNesting) + " deep");
-  try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) throw ConfigError(key, path.string() + " holds more than one YAML document (---)");
-    return documents.empty() ? YAML::Node() : documents.front();
-  } catch (const YAML::Exception& problem) {
-    throw ConfigError(key, path.string() + " is not valid YAML: " + problem.what());
-  }
-}
 
 YamlSection YamlSection::parse(const TextFile& file) {
   const YAML::Node root = parse_yaml(file.text, "file", file.path);

@@ -35,7 +35,7 @@ std::string_view to_string(LeaderIntentUse use) noexcept {
   return "unknown";
 }
 
-bool LeaderIntent::announce(std::int64_t utime, const Twist& twist) noexcept {
+bool LeaderIntent::update(std::int64_t utime, const Twist& twist) noexcept {
   if (!is_plausible(twist)) return false;
   if (heard() && utime <= newest().utime) return false;
   if (heard_.full()) heard_.pop_front();

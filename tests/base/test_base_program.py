@@ -42,7 +42,7 @@ def driven(commander, controller):
 
 def test_it_drives_what_it_is_commanded_within_the_limits_of_acceleration(commander, controller):
     driven(commander, controller)
-    assert commander.last.obeys == commander.session
+    assert commander.last.accepted_session == commander.session
     assert commander.last.state == base_t.STATE_DRIVING
     # 0.3 m/s on wheels of 0.05 m: 6 rad/s.
     commander.drive_until(lambda: controller.set_points[-1].left_mradps == 6000, "6 rad/s")
@@ -97,7 +97,7 @@ def test_recorded_commands_move_nothing(commander, controller, url):
     commander.listen_until(standing(controller), "zeros")
     before = len(controller.set_points)
     play(commander, recorded, "command_replayed")
-    commander.listen_until(lambda: commander.last.obeys == 0, "the sender has ended")
+    commander.listen_until(lambda: commander.last.accepted_session == 0, "the sender has ended")
     assert not any(s.moves for s in controller.set_points[before:])
 
 
@@ -125,7 +125,7 @@ def test_a_second_sender_never_drives(commander, controller, url):
         commander.command(0.3)
         commander.listen(0.02)
     assert all(s.left_mradps >= 0 for s in controller.set_points[before:])
-    assert commander.last.obeys == commander.session
+    assert commander.last.accepted_session == commander.session
 
 
 @pytest.mark.fault("wheels_forged")
@@ -201,7 +201,9 @@ def test_a_line_that_is_not_read_blocks_nothing_and_gives_no_old_speeds_afterwar
     fault = base_t.STATE_FAULT
     commander.drive_until(lambda: commander.last.state == fault, "the fault")
     commander.drive_until(lambda: len(commander.heard) > heard + 100, "a base that goes on speaking")
-    commander.listen_until(lambda: commander.last.obeys == 0, "the end of the sender: no command is good any more")
+    commander.listen_until(
+        lambda: commander.last.accepted_session == 0, "the end of the sender: no command is good any more"
+    )
     before = len(controller.set_points)
     controller.reads = True
     # What waits in the line may begin with lines of before the fault; behind its first zero there is nothing else.

@@ -57,7 +57,7 @@ def wheels():
 def driven(wheels, session=1, commands=10):
     """Commands every 20 ms; the wheels move at the end."""
     for k in range(1, commands + 1):
-        assert wheels.command(session, k) == CommandVerdict.obeyed
+        assert wheels.command(session, k) == CommandVerdict.accepted
         wheels.pass_ms(20)
     assert wheels.moves()
     return commands
@@ -65,7 +65,7 @@ def driven(wheels, session=1, commands=10):
 
 def test_a_sender_that_has_heard_us_is_obeyed(wheels):
     driven(wheels)
-    assert wheels.pass_ms(0 + 10).obeys == 1
+    assert wheels.pass_ms(0 + 10).accepted_session == 1
     assert wheels.base.rejected == {}
 
 
@@ -112,10 +112,10 @@ def test_a_counter_that_does_not_rise_is_a_replay(wheels, counter):
 
 def test_a_second_sender_never_drives_and_does_not_disturb_the_first(wheels):
     for k in range(1, 200):
-        assert wheels.command(1, k) == CommandVerdict.obeyed
+        assert wheels.command(1, k) == CommandVerdict.accepted
         assert wheels.command(2, k, Twist(-0.5, 0.0)) == CommandVerdict.foreign
         out = wheels.pass_ms(20)
-        assert out.command.linear_mps > 0 and out.obeys == 1
+        assert out.command.linear_mps > 0 and out.accepted_session == 1
     assert wheels.base.rejected == {"command_foreign": 199}
 
 
@@ -125,13 +125,13 @@ def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_o
     wheels.pass_ms(480)
     assert wheels.command(second, 1) == CommandVerdict.foreign  # 500 ms since the last command, not more
     out = wheels.pass_ms(30)
-    assert out.obeys == 0
-    assert wheels.command(second, 2) == CommandVerdict.obeyed
+    assert out.accepted_session == 0
+    assert wheels.command(second, 2) == CommandVerdict.accepted
     assert wheels.command(first, 1000) == CommandVerdict.session_ended
     wheels.pass_ms(600)
     assert wheels.command(first, 1001) == CommandVerdict.session_ended
     assert wheels.command(second, 2) == CommandVerdict.replayed
-    assert wheels.command(second, 3) == CommandVerdict.obeyed  # silent for 600 ms, and nobody drove in between
+    assert wheels.command(second, 3) == CommandVerdict.accepted  # silent for 600 ms, and nobody drove in between
 
 
 def test_what_was_refused_as_foreign_cannot_be_played_once_its_time_has_come(wheels):
@@ -140,12 +140,12 @@ def test_what_was_refused_as_foreign_cannot_be_played_once_its_time_has_come(whe
         assert wheels.command(2, k) == CommandVerdict.foreign
     wheels.pass_ms(600)
     assert wheels.command(2, 5) == CommandVerdict.replayed
-    assert wheels.command(2, 6) == CommandVerdict.obeyed
+    assert wheels.command(2, 6) == CommandVerdict.accepted
 
 
 def test_simulated_commands_move_simulated_wheels_only():
     assert Wheels().command(1, 1, simulated=True) == CommandVerdict.simulated
-    assert Wheels(simulated_allowed=True).command(1, 1, simulated=True) == CommandVerdict.obeyed
+    assert Wheels(simulated_allowed=True).command(1, 1, simulated=True) == CommandVerdict.accepted
 
 
 def test_a_pause_of_this_process_makes_all_that_has_queued_up_unplausible(wheels):
@@ -158,7 +158,7 @@ def test_a_pause_of_this_process_makes_all_that_has_queued_up_unplausible(wheels
     wheels.pass_ms(90)
     assert wheels.command(1, 41) == CommandVerdict.after_gap
     wheels.pass_ms(10)
-    assert wheels.command(1, 42) == CommandVerdict.obeyed, "the sender was not silent: we were"
+    assert wheels.command(1, 42) == CommandVerdict.accepted, "the sender was not silent: we were"
 
 
 def test_more_senders_than_can_be_remembered_are_not_obeyed(wheels):
@@ -166,7 +166,7 @@ def test_more_senders_than_can_be_remembered_are_not_obeyed(wheels):
         wheels.command(session, 1)
     wheels.pass_ms(600)
     assert wheels.command(base.SESSIONS + 1, 1) == CommandVerdict.sessions_full
-    assert wheels.command(base.SESSIONS, 2) == CommandVerdict.obeyed  # it has been heard and was never obeyed
+    assert wheels.command(base.SESSIONS, 2) == CommandVerdict.accepted  # it has been heard and was never obeyed
 
 
 @pytest.mark.parametrize("twist", [(float("nan"), 0.0), (0.0, float("inf")), (float("-inf"), float("nan"))])
@@ -178,7 +178,7 @@ def test_numbers_that_are_not_finite_are_no_command(wheels, twist):
 def test_a_stop_from_anyone_is_immediate_and_lasts_until_the_obeyed_session_is_resumed(wheels):
     driven(wheels)
     assert wheels.setpoint(run=False) == LatchVerdict.stopped
-    assert wheels.command(1, 11) == CommandVerdict.obeyed
+    assert wheels.command(1, 11) == CommandVerdict.accepted
     assert wheels.pass_ms(10).state == BaseState.stopped
     assert not wheels.moves()
     assert wheels.setpoint(session=2, counter=1, run=True) == LatchVerdict.other_session
@@ -220,7 +220,7 @@ def test_a_stop_survives_a_change_of_the_sender_and_the_next_one_counts_from_1_a
     driven(wheels, session=first)
     wheels.setpoint(session=first, counter=8, run=False)
     wheels.pass_ms(600)
-    assert wheels.command(second, 1) == CommandVerdict.obeyed
+    assert wheels.command(second, 1) == CommandVerdict.accepted
     assert not wheels.moves()
     assert wheels.setpoint(session=first, counter=9, run=True) == LatchVerdict.other_session
     assert wheels.setpoint(session=second, counter=1, run=True) == LatchVerdict.resumed
@@ -229,7 +229,7 @@ def test_a_stop_survives_a_change_of_the_sender_and_the_next_one_counts_from_1_a
 def test_a_driver_that_cannot_be_reached_is_told_zeros(wheels):
     last = driven(wheels)
     wheels.base.driver_works(False)
-    assert wheels.command(1, last + 1) == CommandVerdict.obeyed
+    assert wheels.command(1, last + 1) == CommandVerdict.accepted
     out = wheels.pass_ms(10)
     assert (out.state, out.command) == (BaseState.fault, Twist())
 
@@ -262,7 +262,7 @@ def test_whatever_happens_the_wheels_move_only_by_a_fresh_command_that_was_obeye
     for what, session, number, base_session, flag in events:
         if what == "command":
             verdict = wheels.command(session, number, base_session=base_session, simulated=flag and number % 7 == 0)
-            if verdict == CommandVerdict.obeyed:
+            if verdict == CommandVerdict.accepted:
                 assert (session, number) not in seen, "obeyed twice"
                 assert base_session == OWN
                 obeyed_us = wheels.now_us

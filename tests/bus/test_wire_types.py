@@ -18,7 +18,7 @@ FINGERPRINTS = {
     bot_core.image_t: "14739ffe13d5f5f0",
     bot_core.image_metadata_t: "9a4b634d0577fb8e",
     bot_core.pose_t: "2e16efb052b0105e",
-    types.base_t: "3a34e46679e2fd3c",
+    types.base_t: "0fb8c005f5a94a1e",
     types.command_t: "712de2d44349c122",
     types.counter_t: "85bf7873eaa98dd0",
     types.motion_t: "65420622915db3dd",

@@ -183,6 +183,7 @@ NESTED = {
     "indented": "\n".join(" " * depth + "a:" for depth in range(700)),
     # Nine aliases of nine aliases ...: 9^20 elements, if anyone followed them.
     "aliases": "a0: &a0 [x]\n" + "".join(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, 21)),
+    "documents": " ,\n\n%i",  # to yaml-cpp 0.7 one empty document after the other
     "itself": "robots: &a [*a]\nname: &b {name: *b}\nE: *b\ntags: *a",
 }
 

@@ -124,46 +124,46 @@ SHARP = np.diag([1e-4, 1e-4, 2e-3, 2e-3, 1e-3, 1e-2]) ** 2
 Use = control.LeaderIntentUse
 
 
-def judged_for(seconds, announced, *, state=EAST, covariance=SHARP, judge=None, start_s=0.0):
-    """Judges at 30 Hz what is announced with each picture; the uses."""
-    judge = judge or control.LeaderIntent()
+def used_for(seconds, announced, *, state=EAST, covariance=SHARP, intent=None, start_s=0.0):
+    """At 30 Hz an intent with each picture; the uses made of it."""
+    intent = intent or control.LeaderIntent()
     estimate = control.LeaderEstimate(state, covariance)
     uses = []
     for k in range(round(seconds * 30)):
         utime = 1_000_000 + round((start_s + k / 30) * 1e6)
-        judge.announce(utime, announced)
-        uses.append(judge.evaluate(estimate, (0.0, 0.0, 0.0), utime))
-    return uses, judge
+        intent.update(utime, announced)
+        uses.append(intent.evaluate(estimate, (0.0, 0.0, 0.0), utime))
+    return uses, intent
 
 
 def test_half_a_second_of_agreement_comes_before_any_use():
-    uses, _ = judged_for(1.0, twist(SPEED_MPS))
+    uses, _ = used_for(1.0, twist(SPEED_MPS))
     assert uses == [Use.probation] * 15 + [Use.agrees] * 15
 
 
 def test_a_word_older_than_the_picture_by_more_than_allowed_is_not_used_and_begins_anew():
-    _, judge = judged_for(1.0, twist(SPEED_MPS))  # the last word came at 1 + 29/30 s
+    _, intent = used_for(1.0, twist(SPEED_MPS))  # the last word came at 1 + 29/30 s
     estimate = control.LeaderEstimate(EAST, SHARP)
     allowed_us = round(control.LeaderIntentConfig().max_age_s * 1e6)
     last_utime = 1_000_000 + round(29 / 30 * 1e6)
-    assert judge.evaluate(estimate, (0.0, 0.0, 0.0), last_utime + allowed_us) == Use.agrees
-    assert judge.evaluate(estimate, (0.0, 0.0, 0.0), last_utime + allowed_us + 1_000) == Use.silent
-    uses, _ = judged_for(0.2, twist(SPEED_MPS), judge=judge, start_s=1.2)
+    assert intent.evaluate(estimate, (0.0, 0.0, 0.0), last_utime + allowed_us) == Use.agrees
+    assert intent.evaluate(estimate, (0.0, 0.0, 0.0), last_utime + allowed_us + 1_000) == Use.silent
+    uses, _ = used_for(0.2, twist(SPEED_MPS), intent=intent, start_s=1.2)
     assert set(uses) == {Use.probation}
 
 
 def test_agreement_with_an_estimate_that_knows_nothing_is_no_merit():
     """At 0.5 m/s of standard deviation anything agrees."""
-    uses, _ = judged_for(2.0, twist(0.0), covariance=np.diag([1e-4, 1e-4, 0.5, 0.5, 1e-3, 1e-2]) ** 2)
+    uses, _ = used_for(2.0, twist(0.0), covariance=np.diag([1e-4, 1e-4, 0.5, 0.5, 1e-3, 1e-2]) ** 2)
     assert set(uses) == {Use.probation}
 
 
 def test_one_disagreement_suspends_it_for_five_seconds_and_probation_follows():
-    _, judge = judged_for(1.0, twist(SPEED_MPS))
-    uses, _ = judged_for(6.0, twist(0.5), judge=judge, start_s=1.0)
+    _, intent = used_for(1.0, twist(SPEED_MPS))
+    uses, _ = used_for(6.0, twist(0.5), intent=intent, start_s=1.0)
     first = uses.index(Use.suspended)
     assert first <= 5  # what was said in the last 0.15 s still held
-    uses, _ = judged_for(6.0, twist(SPEED_MPS), judge=judge, start_s=7.0)
+    uses, _ = used_for(6.0, twist(SPEED_MPS), intent=intent, start_s=7.0)
     assert Use.suspended in uses and uses[-1] == Use.agrees
     last = len(uses) - 1 - uses[::-1].index(Use.suspended)
     assert uses[last + 1 : last + 16] == [Use.probation] * 15
@@ -172,19 +172,19 @@ def test_one_disagreement_suspends_it_for_five_seconds_and_probation_follows():
 def test_a_leader_that_comes_nearer_is_not_accepted_to_stop():
     """Slow would be the dangerous side: it would be waited for."""
     nearer = EAST * np.array([1, 1, -1, 1, 1, 1])
-    _, judge = judged_for(1.0, twist(-SPEED_MPS), state=nearer)
-    uses, _ = judged_for(0.1, twist(0.0), state=nearer, judge=judge, start_s=1.0)
+    _, intent = used_for(1.0, twist(-SPEED_MPS), state=nearer)
+    uses, _ = used_for(0.1, twist(0.0), state=nearer, intent=intent, start_s=1.0)
     assert Use.used not in uses
 
 
 @settings(derandomize=True, max_examples=200)
 @given(st.floats(-0.6, 0.6), st.floats(-1.0, 1.0), st.floats() | st.floats(-1, 1), st.floats() | st.floats(-2, 2))
 def test_whatever_is_announced_the_leader_gets_slower_or_stays_as_it_is_seen(vx, w, linear_mps, angular_radps):
-    judge = control.LeaderIntent()
+    intent = control.LeaderIntent()
     seen = control.LeaderEstimate(np.array([1.0, 0.0, vx, 0.1, 0.3, w]), SHARP)
-    judge.announce(0, twist(0.1))
-    judge.announce(1, core.Twist(linear_mps=linear_mps, angular_radps=angular_radps))
-    slow = judge.slowed(seen)
+    intent.update(0, twist(0.1))
+    intent.update(1, core.Twist(linear_mps=linear_mps, angular_radps=angular_radps))
+    slow = intent.slowed(seen)
     assert np.isfinite(slow.mean).all() and np.isfinite(slow.covariance).all()
     share = slow.mean[2] / vx if vx else 1.0
     assert -1e-12 <= share <= 1.0 + 1e-12
@@ -196,10 +196,10 @@ def test_whatever_is_announced_the_leader_gets_slower_or_stays_as_it_is_seen(vx,
 @settings(derandomize=True, max_examples=100)
 @given(st.lists(st.tuples(st.integers(-(2**63), 2**63 - 1), st.integers(-(2**63), 2**63 - 1)), max_size=20))
 def test_times_at_both_ends_of_the_clock_are_survived(times):
-    judge = control.LeaderIntent()
+    intent = control.LeaderIntent()
     for said_utime, seen_utime in times:
-        judge.announce(said_utime, twist(SPEED_MPS))
-        assert judge.evaluate(control.LeaderEstimate(EAST, SHARP), (0.0, 0.0, 0.0), seen_utime) != Use.used
+        intent.update(said_utime, twist(SPEED_MPS))
+        assert intent.evaluate(control.LeaderEstimate(EAST, SHARP), (0.0, 0.0, 0.0), seen_utime) != Use.used
 
 
 def test_without_a_fresh_picture_an_announcement_moves_nothing():

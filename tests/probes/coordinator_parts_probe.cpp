@@ -117,7 +117,7 @@ struct Player {
     HeldCommand held;
     held.holding = next<bool>();
     held.run = next<bool>();
-    sender->told(held, next<std::int64_t>());
+    sender->setpoint_changed(held, next<std::int64_t>());
   }
   void wait() {
     const std::int64_t enough = has_left() + next<std::int64_t>();
@@ -162,7 +162,7 @@ struct Player {
     } else if (what == "told_core") {
       told_core();
     } else if (what == "stop") {
-      print("stop", sender->stop_heard());
+      print("stop", sender->stop_received());
     } else if (what == "rival") {
       sender->rival_heard({monotonic_now().us - next<std::int64_t>()});
     } else if (what == "base") {

@@ -60,7 +60,7 @@ std::string_view to_string(BaseState state) noexcept;
 struct BaseOutput {
   BaseState state = BaseState::waiting;  ///< what the wheels' process is doing
   Twist command;                         ///< after all limits; zero unless `driving`
-  std::int64_t obeys = 0;                ///< the accepted session; 0: none
+  std::int64_t accepted_session = 0;     ///< the accepted session; 0: none
 };
 
 /// Computes the wheels' command, without a clock, a bus or a line:

@@ -23,9 +23,9 @@ struct ReceivedCommand {
   bool simulated = false;         ///< never for real wheels
 };
 
-/// The result of checking a command. Only `obeyed` can move the wheels.
+/// The result of checking a command. Only `accepted` can move the wheels.
 enum class CommandVerdict {
-  obeyed,
+  accepted,
   malformed,           ///< no session, or a number that is not finite
   base_session_wrong,  ///< meant for another run of this process: a recording, or a sender that has not received ours
                        ///< yet
@@ -38,7 +38,7 @@ enum class CommandVerdict {
   sessions_full,       ///< more senders than can be stored: no new one is accepted
 };
 inline constexpr int kCommandVerdicts = 10;
-/// "command_replayed", ...: at most 24 letters; "command_obeyed" is never counted.
+/// "command_replayed", ...: at most 24 letters; "command_accepted" is never counted.
 std::string_view to_string(CommandVerdict verdict) noexcept;
 
 /// How long a command is valid, and a silent sender remains active.
@@ -70,7 +70,7 @@ class CommandGuard {
   /// When command_at() ends, if nothing else arrives; nothing if it has ended.
   std::optional<MonotonicTime> deadline() const noexcept;
   /// The active session at `now`; 0: none.
-  std::int64_t obeys(MonotonicTime now) noexcept;
+  std::int64_t accepted_session(MonotonicTime now) noexcept;
 
   static constexpr std::size_t kSessions = 1024;  ///< senders that are stored
 

@@ -34,8 +34,8 @@ class StopLatch {
   /// `stopped`: the initial state.
   explicit StopLatch(bool stopped = false) : stopped_(stopped) {}
 
-  /// `obeyed`: the active session; 0: none, and then nothing can resume.
-  LatchVerdict receive(const ReceivedSetpoint& setpoint, std::int64_t obeyed) noexcept;
+  /// `accepted_session`: the active session; 0: none, and then nothing can resume.
+  LatchVerdict receive(const ReceivedSetpoint& setpoint, std::int64_t accepted_session) noexcept;
   bool stopped() const noexcept { return stopped_; }  ///< the wheels stand until they are resumed
 
  private:

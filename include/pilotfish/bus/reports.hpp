@@ -45,16 +45,16 @@ using Counters = std::map<std::string, std::int64_t>;
 struct BaseReport {
   /// What the wheels' process is doing: base_t's STATE_ numbers.
   enum class State { waiting, driving, stopped, fault };
-  std::int64_t utime = 0;         ///< when it was sent [us]
-  std::int64_t session = 0;       ///< of the wheels' process; commands name it
-  std::int64_t counter = 0;       ///< one more with every report of this session
-  std::int64_t obeys = 0;         ///< the session whose commands are accepted; 0: none
-  Twist command;                  ///< the wheels' command, after all limits
-  std::optional<Twist> measured;  ///< Twist measured by the encoders; nothing without them
-  bool stopped = false;           ///< latched
-  State state = State::waiting;   ///< what the wheels' process is doing
-  std::string text;               ///< for display; at most 80 letters are sent
-  Counters rejected;              ///< at most 16 are sent
+  std::int64_t utime = 0;             ///< when it was sent [us]
+  std::int64_t session = 0;           ///< of the wheels' process; commands name it
+  std::int64_t counter = 0;           ///< one more with every report of this session
+  std::int64_t accepted_session = 0;  ///< the session whose commands are accepted; 0: none
+  Twist command;                      ///< the wheels' command, after all limits
+  std::optional<Twist> measured;      ///< Twist measured by the encoders; nothing without them
+  bool stopped = false;               ///< latched
+  State state = State::waiting;       ///< what the wheels' process is doing
+  std::string text;                   ///< for display; at most 80 letters are sent
+  Counters rejected;                  ///< at most 16 are sent
 };
 
 /// pilotfish.observation_t, out.

@@ -118,7 +118,7 @@ class Follower {
   /// False, and nothing changes, if it cannot be used. Optional; used by profile `anticipate` alone.
   bool set_ego_motion(std::int64_t utime, const Twist& twist) noexcept { return own_.measured(utime, twist); }
   /// The leader intent; as set_ego_motion().
-  bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.announce(utime, twist); }
+  bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.update(utime, twist); }
 
   /// The last command was held for held_us [us] and has been zero since, because no measurement came: dropped pictures,
   /// a short occlusion. The leader's estimate goes on for leader_motion.memory_s after the last measurement; the next

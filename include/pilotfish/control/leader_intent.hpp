@@ -55,7 +55,7 @@ class LeaderIntent {
   explicit LeaderIntent(const LeaderIntentConfig& config) : config_(config) {}  ///< nothing received yet
 
   /// False, and nothing changes, unless it is finite, plausible and newer than the last.
-  bool announce(std::int64_t utime, const Twist& twist) noexcept;
+  bool update(std::int64_t utime, const Twist& twist) noexcept;
 
   bool heard() const { return !heard_.empty(); }  ///< an intent has been received
 

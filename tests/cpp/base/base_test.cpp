@@ -32,7 +32,7 @@ CommandGuard guard() { return CommandGuard({}, 9, false); }
 
 TEST(CommandGuard, ObeysACommandForItsLifeAndNotAMicrosecondLonger) {
   CommandGuard wheels = guard();
-  EXPECT_EQ(wheels.receive(command(1), {1'000'000}, {1'000'000}), CommandVerdict::obeyed);
+  EXPECT_EQ(wheels.receive(command(1), {1'000'000}, {1'000'000}), CommandVerdict::accepted);
   for (std::int64_t now = 1'000'000; now < 1'095'000; now += 1000) EXPECT_TRUE(wheels.command_at({now}).has_value());
   EXPECT_TRUE(wheels.command_at({1'094'999}).has_value());
   EXPECT_FALSE(wheels.command_at({1'095'000}).has_value());  // 95 ms
@@ -41,7 +41,7 @@ TEST(CommandGuard, ObeysACommandForItsLifeAndNotAMicrosecondLonger) {
 TEST(CommandGuard, TakesNoCommandThatHasWaitedForItsWholeLife) {
   CommandGuard late = guard(), in_time = guard();
   EXPECT_EQ(late.receive(command(1), {1'000'000}, {1'095'000}), CommandVerdict::stale);
-  EXPECT_EQ(in_time.receive(command(1), {1'000'000}, {1'094'999}), CommandVerdict::obeyed);
+  EXPECT_EQ(in_time.receive(command(1), {1'000'000}, {1'094'999}), CommandVerdict::accepted);
 }
 
 TEST(CommandGuard, TakesNoCommandFromTheBeginningOfTime) {
@@ -53,7 +53,7 @@ TEST(CommandGuard, TakesNoCommandFromTheBeginningOfTime) {
 
 TEST(CommandGuard, IsAtItsEndWithTheLargestCounter) {
   CommandGuard wheels = guard();
-  EXPECT_EQ(wheels.receive(command(kLast), {1'000'000}, {1'000'000}), CommandVerdict::obeyed);
+  EXPECT_EQ(wheels.receive(command(kLast), {1'000'000}, {1'000'000}), CommandVerdict::accepted);
   EXPECT_EQ(wheels.receive(command(kLast), {1'000'001}, {1'000'001}), CommandVerdict::replayed);
   EXPECT_EQ(wheels.receive(command(kFirst), {1'000'002}, {1'000'002}), CommandVerdict::replayed);
 }
@@ -69,7 +69,7 @@ TEST(CommandGuard, ObeysNoNewSenderWhenItCanRememberNoMore) {
   EXPECT_EQ(wheels.receive(stranger, {1'000'001}, {1'000'001}), CommandVerdict::sessions_full);
   stranger.session = 100;  // the first one is obeyed as before
   stranger.counter = 2;
-  EXPECT_EQ(wheels.receive(stranger, {1'000'002}, {1'000'002}), CommandVerdict::obeyed);
+  EXPECT_EQ(wheels.receive(stranger, {1'000'002}, {1'000'002}), CommandVerdict::accepted);
 }
 
 TEST(CommandGuard, AsksForNoMemory) {
