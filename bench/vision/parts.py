@@ -17,8 +17,10 @@ from bench.vision.goals import Goal
 from bench.vision.resolutions import SIZES, cost_by_resolution
 from bench.vision.runs import Tracker, compare
 from bench.vision.scenes import VGA
+from bench.vision.stages import DISTANCES_M as STAGE_DISTANCES_M
+from bench.vision.stages import MODES, stage_times
 from bench.vision.summary import Figures, as_json
-from bench.vision.tables import accuracy_tables, chain_tables, figures_table, medians_table, verdict_table
+from bench.vision.tables import accuracy_tables, chain_tables, figures_table, medians_table, stage_table, verdict_table
 from bench.vision.trackers import Cast
 from bench.vision.visp_images import FOCAL_PX, medians, on_visp_images, targets
 from bench.vision.without_leader import wrong_leaders
@@ -44,10 +46,22 @@ class Effort:
     scenes: int = 40  # that frames without a leader are made of
     resolutions: int = 60  # a frame size
     chains: int = 32  # a condition and distance
+    stages: int = 200  # a distance
 
 
 QUICK = Effort(
-    vga=4, hd=2, drive=10, lens=3, far=4, head_on=4, repeats=2, without_leader=100, scenes=4, resolutions=2, chains=2
+    vga=4,
+    hd=2,
+    drive=10,
+    lens=3,
+    far=4,
+    head_on=4,
+    repeats=2,
+    without_leader=100,
+    scenes=4,
+    resolutions=2,
+    chains=2,
+    stages=4,
 )
 
 
@@ -146,6 +160,11 @@ def run_chains(task: Task) -> Outcome:
     return Outcome(chain_tables(results), list(goals.chain_goals(results)), data)
 
 
+def run_stages(task: Task) -> Outcome:
+    times = stage_times(task.effort.stages, task.seed, task.on_frame)
+    return Outcome([stage_table(mode, by_distance) for mode, by_distance in times.items()], [], times)
+
+
 @dataclass(frozen=True)
 class Part:
     """One comparison: what it is called on the progress bar, how to run it, how many frames it shows."""
@@ -164,6 +183,9 @@ PARTS = {
         "ViSP's pictures", run_visp_images, lambda effort: effort.repeats * len(FOCAL_PX) * len(targets())
     ),
     "resolutions": Part("cost by resolution", run_resolutions, lambda effort: effort.resolutions * len(SIZES)),
+    "stages": Part(
+        "where the time goes", run_stages, lambda effort: effort.stages * len(STAGE_DISTANCES_M) * len(MODES)
+    ),
     "chains": Part(
         "cameras, light and prints that nothing models",
         run_chains,

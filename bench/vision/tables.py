@@ -54,6 +54,19 @@ def chain_tables(results: Results) -> list[Table]:
     return tables
 
 
+def stage_table(mode: str, by_distance: dict[float, dict[str, float]]) -> Table:
+    """One row a stage, one column a distance; medians add up to about the whole."""
+    table = Table(title=f"where the time goes, {mode}: median of each stage [us]", title_justify="left")
+    table.add_column("stage")
+    for distance_m in by_distance:
+        table.add_column(f"{distance_m} m", justify="right")
+    stages = next((times for times in by_distance.values() if times), {})
+    for stage in stages:
+        table.add_row(stage, *(f"{times[stage]:.0f}" if times else "-" for times in by_distance.values()))
+    table.add_row("sum", *(f"{sum(times.values()):.0f}" if times else "-" for times in by_distance.values()))
+    return table
+
+
 def medians_table(title: str, medians: dict[str, dict[str, float]]) -> Table:
     """`medians`: [mm] by column and tracker."""
     table = Table(title=title, title_justify="left")

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 import typer
 
-from bench.vision import drive, scenes, sequences, without_leader
+from bench.vision import drive, scenes, sequences, stages, without_leader
 from bench.vision.accuracy import frames_of_cell
 from bench.vision.answers import Answer, errors_of, heading_of, normal_of
 from bench.vision.cli import app
 from bench.vision.goals import at_most, below, wrong_leader_goals
 from bench.vision.lens import visp_coefficients
 from bench.vision.runs import BURST, Contest, compare, compare_in_turns
+from bench.vision.stages import stage_times
 from bench.vision.summary import as_json, figures_of, percentile, ratio, share_beyond
 from bench.vision.units import fraction, mm
 from bench.vision.visp_images import medians
@@ -316,3 +317,13 @@ def test_the_commands_in_its_readme_are_understood():
     for line in lines:
         arguments = line.split("#")[0].partition(" -- ")[2].split()
         typer.main.get_command(app).make_context("bench/vision", arguments)
+
+
+def test_the_stages_of_a_tracked_frame_do_not_detect_and_those_of_an_acquired_one_do():
+    counted = []
+    times = stage_times(2, 1, lambda: counted.append(1))
+    assert len(counted) == 2 * len(stages.DISTANCES_M) * len(stages.MODES)
+    near = {mode: times[mode][1.1] for mode in stages.MODES}
+    assert set(near["tracked"]) == {"predict", "detect", "search", "align", "read", "pose", "heading"}
+    assert near["tracked"]["detect"] < 0.05 * near["acquired"]["detect"]
+    assert all(times[mode][1.1]["align"] > 0.0 for mode in stages.MODES)
