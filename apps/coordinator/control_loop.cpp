@@ -181,6 +181,7 @@ class Loop {
       case Reason::frame_stale: ++reporter_.refused["frames_stale"]; break;
       case Reason::frame_time_not_advancing: ++reporter_.refused["frames_not_advancing"]; break;
       case Reason::frame_time_implausible: ++reporter_.refused["frames_implausible"]; break;
+      case Reason::picture_repeated: ++reporter_.refused["frames_repeated"]; break;
       case Reason::camera_frozen: ++reporter_.refused["frames_frozen"]; break;
       default: break;
     }

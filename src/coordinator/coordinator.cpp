@@ -92,36 +92,46 @@ StampVerdict Coordinator::classify(std::int64_t utime, std::int64_t known_age_us
 StepResult Coordinator::step(const Frame& frame, MonotonicTime now) noexcept {
   const StampVerdict verdict = classify(frame.utime, frame.known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(frame.utime, verdict.reason);
-  const bool frozen = !noiseless_camera_ && check(frame.image) == Reason::none && frozen_.is_frozen(frame.image);
-  const vision::ObservationResult sight =
-      frozen ? vision::ObservationResult{std::nullopt, Reason::camera_frozen} : observer_.observe(frame);
-  return step_latest(frame.utime, sight, verdict.age_us);
+  return step_latest(frame.utime, observe(frame), verdict.age_us);
 }
 
-StepResult Coordinator::step_observation(std::int64_t utime, const vision::ObservationResult& sight, MonotonicTime now,
+/// A picture that was shown before is no new measurement: it must not lengthen the life of the last one, whatever its
+/// stamp.
+vision::ObservationResult Coordinator::observe(const Frame& frame) noexcept {
+  if (!noiseless_camera_ && check(frame.image) == Reason::none) {
+    switch (frozen_.compare(frame.image)) {
+      case Repetition::none: break;
+      case Repetition::probable: return {std::nullopt, Reason::picture_repeated};
+      case Repetition::certain: return {std::nullopt, Reason::camera_frozen};
+    }
+  }
+  return observer_.observe(frame);
+}
+
+StepResult Coordinator::step_observation(std::int64_t utime, const vision::ObservationResult& seen, MonotonicTime now,
                                          std::int64_t known_age_us) noexcept {
   const StampVerdict verdict = classify(utime, known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
-  return step_latest(utime, sight, verdict.age_us);
+  return step_latest(utime, seen, verdict.age_us);
 }
 
-StepResult Coordinator::step_latest(std::int64_t utime, const vision::ObservationResult& sight,
+StepResult Coordinator::step_latest(std::int64_t utime, const vision::ObservationResult& seen,
                                     std::int64_t age_us) noexcept {
   if (!setpoint_.run) {
     rest(utime);
-    StepResult result{utime, Status::stopped, Reason::stop_requested, sight.observation, std::nullopt, Twist{}};
+    StepResult result{utime, Status::stopped, Reason::stop_requested, seen.observation, std::nullopt, Twist{}};
     return result;
   }
-  if (!sight.observation) {
-    if (sight.reason == Reason::camera_frozen) rest(utime);  // the last measurement may be as old as the picture
-    return not_measured(utime, sight.reason);
+  if (!seen.observation) {
+    if (seen.reason == Reason::camera_frozen) rest(utime);  // the last measurement may be as old as the picture
+    return not_measured(utime, seen.reason);
   }
 
-  const control::FollowerOutput control = follower_.follow(*sight.observation, setpoint_);
+  const control::FollowerOutput control = follower_.follow(*seen.observation, setpoint_);
   if (control.reason != Reason::none) {
     rest(utime);
     StepResult result = not_measured(utime, control.reason);
-    result.observation = sight.observation;  // so that a recording has the input on which the law failed
+    result.observation = seen.observation;  // so that a recording has the input on which the law failed
     return result;
   }
   measured_utime_ = utime;
@@ -130,7 +140,7 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   held_.from = now_;
   held_.until = {later(now_.us, max_age_us_ - age_us)};
   held_.holding = true;
-  return {utime, Status::tracking, Reason::none, sight.observation, control, control.command};
+  return {utime, Status::tracking, Reason::none, seen.observation, control, control.command};
 }
 
 StepResult Coordinator::command_at(MonotonicTime now, Reason reason) const noexcept {

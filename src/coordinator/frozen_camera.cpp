@@ -32,7 +32,7 @@ std::uint64_t hash_rows(const ImageView& image, std::size_t step) {
 
 }  // namespace
 
-bool FrozenCamera::is_frozen(const ImageView& image) noexcept {
+Repetition FrozenCamera::compare(const ImageView& image) noexcept {
   const std::size_t words = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) / kWord;
   const std::uint64_t sample = hash_rows(image, std::max<std::size_t>(words / kSampleWords, 1));
   auto* seen =
@@ -40,13 +40,15 @@ bool FrozenCamera::is_frozen(const ImageView& image) noexcept {
   if (seen == seen_.end()) {
     seen_[next_] = {sample, 0, 1, 0};
     next_ = (next_ + 1) % kPictures;
-    return false;
+    return Repetition::none;
   }
   const std::uint64_t whole = hash_rows(image, 1);
-  const bool same = seen->whole_known != 0 && whole == seen->whole;
+  const Repetition repetition = seen->whole_known == 0 ? Repetition::probable
+                                : whole == seen->whole ? Repetition::certain
+                                                       : Repetition::none;
   seen->whole_known = 1;
   seen->whole = whole;
-  return same;
+  return repetition;
 }
 
 }  // namespace pilotfish

@@ -22,12 +22,35 @@ def test_the_third_picture_in_a_row_with_the_same_pixels_moves_nothing():
     robot = coordinator.Coordinator(CONFIG)
     for k in range(10):
         assert step(robot, PICTURES[k], k).status == Status.tracking
-    assert step(robot, PICTURES[9], 10).reason != Reason.camera_frozen
+    assert step(robot, PICTURES[9], 10).reason == Reason.picture_repeated
     for k in range(11, 100):
         result = step(robot, PICTURES[9], k)
         assert (result.status, result.reason) == (Status.invalid_input, Reason.camera_frozen)
         assert result.command == STILL
     assert step(robot, PICTURES[10], 100).status == Status.tracking, "it has come back to life"
+
+
+@pytest.mark.parametrize("rate_hz", [12, 15, 20, 30, 60])
+def test_a_repeated_picture_does_not_lengthen_the_life_of_the_last_measurement(rate_hz):
+    """At 15 Hz the third picture, of which it is certain, comes 133 ms after the first: the command ends at 100 ms."""
+    robot = coordinator.Coordinator(CONFIG)
+    times = [1_000_000 + round(k * 1e6 / rate_hz) for k in range(12)]
+    for k, utime in enumerate(times[:10]):
+        assert robot.step(core.Frame(PICTURES[k], utime=utime), utime).status == Status.tracking
+    assert robot.held.until_us == times[9] + 100_000
+    result = robot.step(core.Frame(PICTURES[9], utime=times[10]), times[10])
+    assert (result.status, result.reason) == (Status.coasting, Reason.picture_repeated)
+    assert robot.held.until_us == times[9] + 100_000
+    assert robot.command_at(times[9] + 100_000).command != STILL
+    assert robot.command_at(times[9] + 100_001).command == STILL
+
+
+def test_one_picture_that_a_driver_delivers_twice_costs_nothing_but_itself():
+    robot = coordinator.Coordinator(CONFIG)
+    shown = [*range(10), 9, *range(10, 20)]
+    results = [step(robot, PICTURES[picture], k) for k, picture in enumerate(shown)]
+    assert [r.status for r in results] == [Status.tracking] * 10 + [Status.coasting] + [Status.tracking] * 10
+    assert all(r.command != STILL for r in results[1:])
 
 
 @pytest.mark.parametrize("ring", [2, 4, 8, 16])

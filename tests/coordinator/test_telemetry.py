@@ -129,6 +129,7 @@ PUBLISHED_REASONS = [
     "frame_time_implausible",
     "another_coordinator",
     "internal_error",
+    "picture_repeated",
 ]
 
 

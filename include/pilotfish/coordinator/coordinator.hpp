@@ -101,10 +101,10 @@ class Coordinator {
   /// it is, the earlier one holds.
   StepResult step(const Frame& frame, MonotonicTime now) noexcept;
 
-  /// step() without the vision: `sight` is the observer's result for the frame exposed at `utime`. For simulations that
+  /// step() without the vision: `seen` is the observer's result for the frame exposed at `utime`. For simulations that
   /// draw measurements instead of pictures, and for replays of recorded ones; everything behind the observer is the
   /// same.
-  StepResult step_observation(std::int64_t utime, const vision::ObservationResult& sight, MonotonicTime now,
+  StepResult step_observation(std::int64_t utime, const vision::ObservationResult& seen, MonotonicTime now,
                               std::int64_t known_age_us = 0) noexcept;
 
   /// What holds at `now` if no newer frame has come: the last command for as long as it is fresh, then zeros. Changes
@@ -149,7 +149,8 @@ class Coordinator {
   template <class Self, class Archive>
   static void remember_vision(Self& self, Archive& archive);
   bool is_near_last_frame(std::int64_t utime) const noexcept;
-  StepResult step_latest(std::int64_t utime, const vision::ObservationResult& sight, std::int64_t age_us) noexcept;
+  vision::ObservationResult observe(const Frame& frame) noexcept;
+  StepResult step_latest(std::int64_t utime, const vision::ObservationResult& seen, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
   StampVerdict classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
   void pause() noexcept;  ///< the last measurement has expired: the command has been zero since, the estimate goes on

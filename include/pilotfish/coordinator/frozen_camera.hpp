@@ -10,15 +10,23 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
+/// Whether a picture has been shown before.
+enum class Repetition : std::uint8_t {
+  none,      ///< something in it is new
+  probable,  ///< the second with the same sample of its pixels: a driver that delivers twice, or the first of many
+  certain,   ///< the third, or a later one, with the same pixels: the camera is frozen
+};
+
 /// Detects a camera that repeats the same picture with new stamps: a sensor's noise makes two pictures
 /// differ even in the dark, unless every pixel is clipped, and then no leader is visible either.
 ///
 /// Where pictures differ, as they nearly always do, a sample of 4096 words suffices; only if the sample is the same as
-/// in the frame before is the whole picture read.
+/// in one of the last 16 is the whole picture read. What the first of two had beyond its sample is then not known any
+/// more, so the second is only probably the same.
 class FrozenCamera {
  public:
-  /// From the third picture with the same pixels on. The view has passed check().
-  bool is_frozen(const ImageView& image) noexcept;
+  /// Of this picture among the last ones. The view has passed check().
+  Repetition compare(const ImageView& image) noexcept;
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp

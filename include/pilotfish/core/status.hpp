@@ -55,7 +55,8 @@ enum class ReasonKind {
   X(camera_frozen, input, "the camera shows the same pixels again and again")                                         \
   X(frame_time_implausible, input, "the frame's time does not fit the time that has passed")                          \
   X(another_coordinator, input, "another coordinator sends commands under this name")                                 \
-  X(internal_error, input, "the program failed")
+  X(internal_error, input, "the program failed")                                                                      \
+  X(picture_repeated, sight, "the same picture as one before: nothing new is seen")
 // clang-format on
 
 /// Why. One reason belongs to each status report; the text is what is logged and published.

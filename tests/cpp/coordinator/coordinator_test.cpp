@@ -222,16 +222,16 @@ TEST(Coordinator, IsNotMadeOfWhatCannotWork) {
   EXPECT_EQ(refused_key(wrong), "camera.fx");
 }
 
-TEST(FrozenCamera, SeesTheSamePixelsTheThirdTime) {
+TEST(FrozenCamera, IsCertainOfTheSamePixelsTheThirdTime) {
   std::vector<std::uint8_t> pixels(64 * 64, 100);
   pixels[5] = 3;
   const Frame frame = Frame::from_pixels(0, 64, 64, pixels);
   FrozenCamera camera;
-  EXPECT_FALSE(camera.is_frozen(frame.image));
-  EXPECT_FALSE(camera.is_frozen(frame.image));
-  EXPECT_TRUE(camera.is_frozen(frame.image));
+  EXPECT_EQ(camera.compare(frame.image), Repetition::none);
+  EXPECT_EQ(camera.compare(frame.image), Repetition::probable);
+  EXPECT_EQ(camera.compare(frame.image), Repetition::certain);
   pixels[63 * 64 + 63] ^= 1U;  // one gray level of one pixel is a sensor's noise
-  EXPECT_FALSE(camera.is_frozen(Frame::from_pixels(1, 64, 64, pixels).image));
+  EXPECT_EQ(camera.compare(Frame::from_pixels(1, 64, 64, pixels).image), Repetition::none);
 }
 
 }  // namespace
