@@ -85,6 +85,28 @@ TEST(TagTracker, ItsStagesInARowAreTrack) {
   }
 }
 
+TEST(TagTracker, MeasuresATagOfWhichAPartIsInTheShadow) {
+  // Four tenths of the light, on either side of a line through the middle of a cell: the white of the one part (80) is
+  // nearer to the black of the other (30) than to its white (200).
+  const TagTracker tracker(camera(), body());
+  for (const bool across : {true, false})
+    for (const bool before : {true, false})
+      for (const int line : {88, 104, 120}) {
+        std::vector<std::uint8_t> pixels = tests::tag_picture(7);
+        for (int v = 0; v < tests::kPictureSide_px; ++v)
+          for (int u = 0; u < tests::kPictureSide_px; ++u) {
+            std::uint8_t& pixel = pixels[static_cast<std::size_t>(v * tests::kPictureSide_px + u)];
+            if (((across ? u : v) < line) == before) pixel = static_cast<std::uint8_t>(0.4 * pixel);
+          }
+        const Frame frame = Frame::from_pixels(0, tests::kPictureSide_px, tests::kPictureSide_px, std::move(pixels));
+        const auto measured = tracker.track(frame.image, tracker.predict(0, corners_px()), {});
+        ASSERT_TRUE(measured) << across << before << line;
+        EXPECT_EQ(measured->tag.hamming, 0) << across << before << line;
+        for (std::size_t i = 0; i < 4; ++i)
+          EXPECT_LT((measured->tag.corners_px[i] - corners_px()[i]).norm(), 0.25) << across << before << line;
+      }
+}
+
 TEST(TagTracker, ReadsThatItIsAnotherTag) {
   LeaderBody other = body();
   other.tags[0].id = 9;
