@@ -87,7 +87,8 @@ TEST(TagTracker, ItsStagesInARowAreTrack) {
 
 TEST(TagTracker, MeasuresATagOfWhichAPartIsInTheShadow) {
   // Four tenths of the light, on either side of a line through the middle of a cell: the white of the one part (80) is
-  // nearer to the black of the other (30) than to its white (200).
+  // nearer to the black of the other (30) than to its white (200). The line is one edge beside some ten of the tag's
+  // own, off by half a cell of 8 px: it may pull a corner by a tenth of a cell.
   const TagTracker tracker(camera(), body());
   for (const bool across : {true, false})
     for (const bool before : {true, false})
@@ -103,7 +104,7 @@ TEST(TagTracker, MeasuresATagOfWhichAPartIsInTheShadow) {
         ASSERT_TRUE(measured) << across << before << line;
         EXPECT_EQ(measured->tag.hamming, 0) << across << before << line;
         for (std::size_t i = 0; i < 4; ++i)
-          EXPECT_LT((measured->tag.corners_px[i] - corners_px()[i]).norm(), 0.25) << across << before << line;
+          EXPECT_LT((measured->tag.corners_px[i] - corners_px()[i]).norm(), 0.8) << across << before << line;
       }
 }
 
