@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <type_traits>
 
 #include "memory_asked_for.hpp"
@@ -108,6 +109,27 @@ TEST(TagTracker, MeasuresATagOfWhichAPartIsInTheShadow) {
       }
 }
 
+TEST(TagTracker, RefusesAFitThatLeavesTooMuchUnexplained) {
+  // A quarter of the pixels may be something else's, and 0.12 of the contrast may be left; neither excuses the other.
+  const TagTracker tracker(camera(), body());
+  const Frame frame = tests::tag_frame(7);
+  const auto fit = tracker.align(frame.image, 0, tracker.predict(0, corners_px()).nHt, {});
+  ASSERT_TRUE(fit);
+  struct {
+    double outlier_share, residual;
+    bool accepted;
+  } const cases[] = {{0.24, 0.0, true}, {0.26, 0.0, false}, {0.0, 0.119, true}, {0.0, 0.121, false}};
+  for (const auto& each : cases) {
+    Registration claimed = *fit;
+    claimed.outlier_share = each.outlier_share;
+    claimed.residual_rms = each.residual * fit->appearance.contrast();
+    const auto measured = tracker.read(frame.image, 0, claimed);
+    EXPECT_EQ(static_cast<bool>(measured), each.accepted) << each.outlier_share << ", " << each.residual;
+    if (each.accepted) continue;
+    EXPECT_EQ(measured.refusal, TagRefusal::residual);
+  }
+}
+
 TEST(TagTracker, ReadsThatItIsAnotherTag) {
   LeaderBody other = body();
   other.tags[0].id = 9;
@@ -141,7 +163,13 @@ TEST(TagTracker, KnowsItsTagsById) {
 TEST(TagTracker, IsNotMadeOfWhatCannotBe) {
   LeaderBody wrong = body();
   wrong.tags[1].id = 587;  // the family has 0 to 586
-  EXPECT_EQ(refused_key([&] { TagTracker(camera(), wrong); }), "leader.tags[1].id");
+  try {
+    TagTracker(camera(), wrong);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.key(), "leader.tags[1].id");
+    EXPECT_NE(std::string(error.what()).find("0 to 586"), std::string::npos) << error.what();
+  }
   TagGates gates;
   gates.min_cell_px = 0.0;
   EXPECT_EQ(refused_key([&] { TagTracker(camera(), body(), {}, gates); }), "vision.min_cell_px");
