@@ -2,7 +2,7 @@
 
 A mutant counts if it compiles to something else than the original: what differs in comments, in the words of a text for
 people, or not at all in the object file is no mutant, nor is what the compiler warns of. --tests come first; what
-survives them meets --slow-tests.
+survives them meets --slow-tests. Either may name programs of tests/cpp (vision_cpp_tests), which run before pytest.
 """
 
 from __future__ import annotations
@@ -44,6 +44,12 @@ def build(targets: list[str], within_s: float = BUILD_WITHIN_S) -> bool:
 
 
 def passes(tests: list[str]) -> bool:
+    programs = [test for test in tests if test.endswith("_cpp_tests")]
+    if any(run([BUILD / "tests/cpp" / program], TEST_WITHIN_S, cwd=TREE) != 0 for program in programs):
+        return False
+    tests = [test for test in tests if test not in programs]
+    if not tests:
+        return True
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python"), "PYTHONDONTWRITEBYTECODE": "1"}
     pytest = [PYTHON, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
     return run(pytest, TEST_WITHIN_S, cwd=TREE, env=environment) == 0

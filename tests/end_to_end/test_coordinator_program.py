@@ -1,5 +1,6 @@
 """pilotfish-coordinator as its users run it: images over LCM or from a folder, signals, setpoints, bad input."""
 
+import itertools
 import json
 import math
 import re
@@ -21,6 +22,7 @@ from pilotfish.harness.executables import COORDINATOR, find_executable
 from pilotfish.harness.frame_report import parse_reports
 from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
+from pilotfish.lcmtypes.pilotfish.status_t import status_t
 from scenes import leader_pictures
 
 
@@ -163,6 +165,40 @@ def test_a_setpoint_over_lcm_stops_the_robot_and_lets_it_go_on(tmp_path):
         assert onboard.answer_to(next(frames)).status == command_t.STATUS_STOPPED
         onboard.send_setpoint(1.1, 0.0, True)
         assert answers_until(command_t.STATUS_TRACKING)
+
+
+def test_a_flood_of_setpoints_is_no_flood_of_lines_and_the_lines_count_what_they_leave_out(tmp_path):
+    # Every 20 ms another centimetre: a line in half a second, which says how many centimetres it passed over.
+    with Onboard(tmp_path) as onboard:
+        onboard.listen_until(lambda: onboard.commands, "a command, which names the session")
+        lines = []
+
+        def three_lines():
+            onboard.send_setpoint(1.0 + 0.01 * next(centimetres), 0.0, True)
+            lines[:] = re.findall(r"setpoint: (\d\.\d\d) m at 0\.0 deg, run(?: \((\d+) others not shown\))?\n", log())
+            return len(lines) >= 3
+
+        centimetres, log = itertools.count(), onboard.child.stderr
+        onboard.listen_until(three_lines, "three lines about setpoints")
+    at = [round(100 * float(distance)) for distance, _ in lines]
+    assert lines[0][1] == ""
+    assert [int(left_out) for _, left_out in lines[1:3]] == [at[1] - at[0] - 1, at[2] - at[1] - 1]
+
+
+def test_the_status_counts_every_stage_of_every_frame(tmp_path):
+    # A frame that comes again is answered with the old answer and is none. What is answered was waited for and looked
+    # at before: no frame takes less than its longest part.
+    frames, heard = leader_pictures(5), []
+    with Onboard(tmp_path) as onboard:
+        onboard.bus.subscribe("ROBOT1_STATUS", lambda _, data: heard.append(status_t.decode(data)))
+        for frame in frames:
+            onboard.answer_to(frame)
+        onboard.listen_until(lambda: heard and heard[-1].utime >= frames[-1].utime, "the last frame's status")
+        first = len(heard)
+        onboard.listen_until(lambda: len(heard) > first, "another status")
+    stages = {stage.name: stage for stage in heard[-1].stages}
+    assert [sum(stages[name].counts) for name in ("waited", "looked", "answered")] == [len(frames)] * 3
+    assert stages["answered"].max_ms >= max(stages[name].max_ms for name in ("waited", "looked")) > 0.0
 
 
 def test_images_that_lie_about_themselves_are_survived(tmp_path):

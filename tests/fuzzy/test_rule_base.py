@@ -77,6 +77,18 @@ def test_coverage_just_above_the_limit_passes_and_just_below_is_refused(controll
         variant(controller, error_change=with_meeting_degree(0.0009))
 
 
+@pytest.mark.parametrize(
+    ("label", "ends_at_once", "where"),
+    [("PS", fuzzy.Triangle(0.0, 0.3, 0.3), "0.3"), ("NS", fuzzy.Triangle(-0.3, -0.3, 0.0), "-0.3")],
+)
+def test_a_gap_beside_a_vertical_side_is_refused(controller, label, ends_at_once, where):
+    # At 0.3 PS is one, and just behind it nothing: ZE has come down to zero, PM begins to rise. So only the beginning
+    # of the arc from 0.3 on shows the gap, and of its mirror image only the end of the arc up to -0.3.
+    terms = [fuzzy.Term(t.label, ends_at_once if t.label == label else t.set) for t in controller.error_change.terms]
+    with pytest.raises(ValueError, match=rf"^EC\.terms: no term covers {where} well: the greatest degree there is 0,"):
+        variant(controller, error_change=fuzzy.LinguisticVariable("EC", terms))
+
+
 def test_the_far_side_of_a_gaussian_does_not_count_as_coverage(controller):
     # Between Gaussians of sigma 0.01 at -0.3 and 0 the degree at -0.15 is exp(-15^2/2) = 1e-49, far too weak.
     terms = [fuzzy.Term(t.label, t.set) for t in controller.error_change.terms]

@@ -7,7 +7,7 @@ import pytest
 from pinhole_drawing import Photography, draw, leader_pose, pose, rotation
 
 from pilotfish.core import BodyTag, CameraModel, CameraMounting, Frame, LeaderBody, Reason
-from pilotfish.vision import LeaderObserver, LeaderObserverConfig, LeaderPoseConfig, TagDetectorConfig
+from pilotfish.vision import LeaderObserver, LeaderObserverConfig, LeaderPoseConfig, TagDetector, TagDetectorConfig
 
 CAMERA = CameraModel(width=640, height=480, fx=600, fy=600, cx=319.5, cy=239.5)
 TAG = BodyTag(id=3, size_m=0.16)
@@ -114,6 +114,20 @@ def test_a_coarse_search_finds_the_near_leader_and_not_the_far_one_and_follows_b
         followed = Frame(image, utime=33_334)  # not searched, so not coarsely
         followed.coarse_search = True
         assert eye.observe(followed).observation is not None
+
+
+def test_a_leader_too_far_for_the_decimated_search_is_found_in_the_parts_with_detail():
+    # From 6 m on, turned by 0.6 rad, a cell is 12 / 6 cos(0.6) = 1.65 px wide, and half of that where every other pixel
+    # is left out. How the tag lies on those is luck; where that search misses it, the one of the parts does not.
+    decimated, missed = TagDetector(config=TagDetectorConfig(decimation=2.0)), 0
+    for distance_m in (6.0, 6.5, 7.0):
+        for bearing_rad, height_m in ((-0.35, 1.5), (0.0, 0.0), (0.3, -1.7), (0.1, 0.3)):
+            image = picture([(TAG, leader_at(distance_m, bearing_rad, bearing_rad + 0.6, height_m))])
+            missed += not decimated.detect(image).tags
+            seen = observer().observe(Frame(image, utime=1)).observation
+            assert seen is not None
+            assert seen.bearing_rad == pytest.approx(bearing_rad, abs=1 / 600)  # a pixel
+    assert missed >= 6, "the test would test nothing"
 
 
 def test_the_mounting_turns_and_moves_what_is_seen():

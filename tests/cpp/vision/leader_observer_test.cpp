@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <type_traits>
 
 #include "pilotfish/core/checkpoint.hpp"
@@ -127,6 +128,36 @@ TEST(RejectionCounters, AreNamedEachOnce) {
   RejectionCounters counters;
   for (const auto& named : RejectionCounters::all()) ++(counters.*named.count);
   for (const auto& named : RejectionCounters::all()) EXPECT_EQ(counters.*named.count, 1) << named.name;
+}
+
+TEST(RejectionCounters, CountAPoseByItsReasonAndAsAPoseWhereThereIsNone) {
+  RejectionCounters counters;
+  counters.count_pose(Reason::leader_jumped);
+  EXPECT_EQ(counters.jump, 1);
+  EXPECT_EQ(counters.pose, 0);
+  counters.count_pose(Reason::internal_error);  // no counter's reason
+  EXPECT_EQ(counters.pose, 1);
+  std::int64_t all = 0;
+  for (const auto& named : RejectionCounters::all()) all += counters.*named.count;
+  EXPECT_EQ(all, 2);
+}
+
+TEST(RejectionCounters, AreAddedAndComparedCounterByCounter) {
+  // 1, 2, 3, ... beside ..., 3, 2, 1: each sum is one more than their number, each larger one at least half of that.
+  RejectionCounters rising, falling;
+  std::int64_t number = 0;
+  const auto count = static_cast<std::int64_t>(RejectionCounters::kCount);
+  for (const auto& named : RejectionCounters::all()) {
+    rising.*named.count = ++number;
+    falling.*named.count = count + 1 - number;
+  }
+  const RejectionCounters sum = sum_of(rising, falling), larger = larger_of_each(rising, falling);
+  number = 0;
+  for (const auto& named : RejectionCounters::all()) {
+    ++number;
+    EXPECT_EQ(sum.*named.count, count + 1) << named.name;
+    EXPECT_EQ(larger.*named.count, std::max(number, count + 1 - number)) << named.name;
+  }
 }
 
 }  // namespace

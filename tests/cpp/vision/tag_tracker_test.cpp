@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <type_traits>
 
 #include "memory_asked_for.hpp"
@@ -85,6 +86,50 @@ TEST(TagTracker, ItsStagesInARowAreTrack) {
   }
 }
 
+TEST(TagTracker, MeasuresATagOfWhichAPartIsInTheShadow) {
+  // Four tenths of the light, on either side of a line through the middle of a cell: the white of the one part (80) is
+  // nearer to the black of the other (30) than to its white (200). The line is one edge beside some ten of the tag's
+  // own, off by half a cell of 8 px: it may pull a corner by a tenth of a cell.
+  const TagTracker tracker(camera(), body());
+  for (const bool across : {true, false})
+    for (const bool before : {true, false})
+      for (const int line : {88, 104, 120}) {
+        std::vector<std::uint8_t> pixels = tests::tag_picture(7);
+        for (int v = 0; v < tests::kPictureSide_px; ++v)
+          for (int u = 0; u < tests::kPictureSide_px; ++u) {
+            std::uint8_t& pixel = pixels[static_cast<std::size_t>(v * tests::kPictureSide_px + u)];
+            if (((across ? u : v) < line) == before) pixel = static_cast<std::uint8_t>(0.4 * pixel);
+          }
+        const Frame frame = Frame::from_pixels(0, tests::kPictureSide_px, tests::kPictureSide_px, std::move(pixels));
+        const auto measured = tracker.track(frame.image, tracker.predict(0, corners_px()), {});
+        ASSERT_TRUE(measured) << across << before << line;
+        EXPECT_EQ(measured->tag.hamming, 0) << across << before << line;
+        for (std::size_t i = 0; i < 4; ++i)
+          EXPECT_LT((measured->tag.corners_px[i] - corners_px()[i]).norm(), 0.8) << across << before << line;
+      }
+}
+
+TEST(TagTracker, RefusesAFitThatLeavesTooMuchUnexplained) {
+  // A quarter of the pixels may be something else's, and 0.12 of the contrast may be left; neither excuses the other.
+  const TagTracker tracker(camera(), body());
+  const Frame frame = tests::tag_frame(7);
+  const auto fit = tracker.align(frame.image, 0, tracker.predict(0, corners_px()).nHt, {});
+  ASSERT_TRUE(fit);
+  struct {
+    double outlier_share, residual;
+    bool accepted;
+  } const cases[] = {{0.24, 0.0, true}, {0.26, 0.0, false}, {0.0, 0.119, true}, {0.0, 0.121, false}};
+  for (const auto& each : cases) {
+    Registration claimed = *fit;
+    claimed.outlier_share = each.outlier_share;
+    claimed.residual_rms = each.residual * fit->appearance.contrast();
+    const auto measured = tracker.read(frame.image, 0, claimed);
+    EXPECT_EQ(static_cast<bool>(measured), each.accepted) << each.outlier_share << ", " << each.residual;
+    if (each.accepted) continue;
+    EXPECT_EQ(measured.refusal, TagRefusal::residual);
+  }
+}
+
 TEST(TagTracker, ReadsThatItIsAnotherTag) {
   LeaderBody other = body();
   other.tags[0].id = 9;
@@ -118,7 +163,13 @@ TEST(TagTracker, KnowsItsTagsById) {
 TEST(TagTracker, IsNotMadeOfWhatCannotBe) {
   LeaderBody wrong = body();
   wrong.tags[1].id = 587;  // the family has 0 to 586
-  EXPECT_EQ(refused_key([&] { TagTracker(camera(), wrong); }), "leader.tags[1].id");
+  try {
+    TagTracker(camera(), wrong);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_EQ(error.key(), "leader.tags[1].id");
+    EXPECT_NE(std::string(error.what()).find("0 to 586"), std::string::npos) << error.what();
+  }
   TagGates gates;
   gates.min_cell_px = 0.0;
   EXPECT_EQ(refused_key([&] { TagTracker(camera(), body(), {}, gates); }), "vision.min_cell_px");

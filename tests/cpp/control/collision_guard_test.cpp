@@ -1,0 +1,54 @@
+#include "pilotfish/control/collision_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pilotfish/core/angles.hpp"
+
+namespace {
+
+using namespace pilotfish;
+using namespace pilotfish::control;
+
+LeaderMotion leader(double distance_m, double radial_mps = 0.0, double bearing_rad = 0.0) {
+  LeaderMotion motion;
+  motion.distance_m = distance_m;
+  motion.radial_mps = radial_mps;
+  motion.bearing_rad = bearing_rad;
+  return motion;
+}
+
+Reaction reaction() {
+  Reaction reaction;
+  reaction.delay_s = 0.13;
+  return reaction;
+}
+
+TEST(CollisionGuard, GivesBackWhatIsMissingToTheShortestDistanceWithinHalfASecond) {
+  // d_min is 0.4 m. At 0.3 m a tenth is missing: 0.1 / 0.5 = 0.2 m/s back, and as much more as the leader comes.
+  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.3)), -0.2, 1e-12);
+  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.3, -0.1)), -0.3, 1e-12);
+  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.3, 0.1)), -0.2, 1e-12);  // it leaves: that may end at any time
+  // A distance known to 10 mm counts as three of them less.
+  LeaderMotion unsure = leader(0.3);
+  unsure.distance_sigma_m = 0.01;
+  EXPECT_NEAR(guarded_speed({}, reaction(), unsure), -0.26, 1e-12);
+}
+
+TEST(CollisionGuard, AllowsForwardAsMuchAsLeadsTowardsTheLeader) {
+  // Of a forward speed v cos(bearing) is in the line of sight: at 60 degrees half of it. Beside the robot, where none
+  // is, it counts as if three tenths were; behind it, too.
+  for (const double distance_m : {0.3, 1.1}) {
+    const double straight = guarded_speed({}, reaction(), leader(distance_m));
+    EXPECT_NEAR(guarded_forward_speed({}, reaction(), leader(distance_m)), straight, 1e-12);
+    for (const double side : {-1.0, 1.0}) {
+      const auto forward = [&](double bearing_rad) {
+        return guarded_forward_speed({}, reaction(), leader(distance_m, 0.0, side * bearing_rad));
+      };
+      EXPECT_NEAR(forward(radians(60.0)), straight / 0.5, 1e-12);
+      EXPECT_NEAR(forward(radians(90.0)), straight / 0.3, 1e-12);
+      EXPECT_NEAR(forward(radians(150.0)), straight / 0.3, 1e-12);
+    }
+  }
+}
+
+}  // namespace
