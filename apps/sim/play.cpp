@@ -3,9 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "pace.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/sim/awaited_answers.hpp"
@@ -15,14 +15,9 @@
 namespace pilotfish::apps {
 namespace {
 
-constexpr double kResendAfter_s = 0.05;
 constexpr double kAnswerWithin_s = 10.0;  // after the first answer; a coordinator takes some tens of milliseconds
 constexpr double kProgressEvery_s = 2.0;
 constexpr double kWheelsWatchdog_s = 0.1;
-
-double monotonic_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;

@@ -1,22 +1,16 @@
 #include "tell_setpoints.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <sstream>
 
+#include "pace.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "play.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {
 namespace {
-
-constexpr double kResendAfter_s = 0.05;
-
-double monotonic_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// The setpoint sent to one coordinator, and what its messages have shown.
 struct SentSetpoint {

@@ -273,19 +273,20 @@ PYBIND11_MODULE(control, m) {
         ", law: pilotfish.fuzzy.Controller, profile: Profile = Profile.anticipate, active_law: str = '" +
             std::string(kFuzzyLaw) + "', laws: list[LawDescription] = ...",
         ", view: FieldOfView = ...");
-    follower_config.def(py::init([](const fuzzy::Controller& law, Profile profile, const std::string& active_law,
-                                    const std::vector<LawDescription>& laws, const py::kwargs& sections) {
-                          FollowerConfig made;
-                          made.law = law;
-                          made.profile = profile;
-                          set_laws(made, laws);
-                          set_active_law(made, active_law);
-                          set_attributes(made, sections, "FollowerConfig");
-                          return made;
-                        }),
-                        py::kw_only(), py::arg("law"), py::arg("profile") = Profile::anticipate,
-                        py::arg("active_law") = kFuzzyLaw, py::arg("laws") = built_in_laws(),
-                        (signature + " law: the fuzzy controller; laws: built_in_laws() and your own.").c_str());
+    follower_config.def(
+        py::init([](const fuzzy::Controller& law, Profile profile, const std::string& active_law,
+                    const std::vector<LawDescription>& laws, const py::kwargs& sections) {
+          FollowerConfig made;
+          made.law = law;
+          made.profile = profile;
+          set_laws(made, laws);
+          set_active_law(made, active_law);
+          set_attributes(py::cast(&made, py::return_value_policy::reference), sections, "FollowerConfig");
+          return made;
+        }),
+        py::kw_only(), py::arg("law"), py::arg("profile") = Profile::anticipate, py::arg("active_law") = kFuzzyLaw,
+        py::arg("laws") = built_in_laws(),
+        (signature + " law: the fuzzy controller; laws: built_in_laws() and your own.").c_str());
   }
   follower_config.def_readwrite("profile", &FollowerConfig::profile, "Profile: how the fuzzy law drives")
       .def_readwrite("law", &FollowerConfig::law,

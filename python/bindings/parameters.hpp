@@ -46,9 +46,7 @@ std::string keyword_signature(const std::string& before = "", const std::string&
          ") -> None\n\nConfigError (a ValueError) names a number out of its range, TypeError an unknown keyword.";
 }
 
-template <class Config>
-void set_attributes(Config& config, const py::kwargs& values, const std::string& name) {
-  py::object self = py::cast(&config, py::return_value_policy::reference);
+inline void set_attributes(const py::object& self, const py::kwargs& values, const std::string& name) {
   for (auto [key, value] : values) {
     if (!py::hasattr(self, key))
       throw py::type_error(name + " has no parameter '" + py::str(key).cast<std::string>() + "'");
@@ -64,13 +62,56 @@ std::string describe_part() {
          py::str(type.attr("__doc__")).template cast<std::string>();
 }
 
+/// A row of a table of parameters whose struct is forgotten: pybind11's code is then made once for each kind of value,
+/// and not for each struct as well, which was most of what a module took to compile.
+struct AnyParameter {
+  const void* row;
+  const void* (*value)(const py::object& self, const void* row);
+  void (*assign)(const py::object& self, const void* row, const void* value);  ///< throws ConfigError, unchanged
+};
+
+template <class Config>
+AnyParameter forget_struct(const Parameter<Config>& parameter) {
+  using Row = Parameter<Config>;
+  return {&parameter,
+          [](const py::object& self, const void* row) {
+            const Config& config = self.cast<const Config&>();
+            return std::visit([&](auto member) -> const void* { return &(config.*member); },
+                              static_cast<const Row*>(row)->member);
+          },
+          [](const py::object& self, const void* row, const void* value) {
+            Config& config = self.cast<Config&>();
+            Config changed = config;
+            const Row& described = *static_cast<const Row*>(row);
+            std::visit(
+                [&](auto member) {
+                  using Value = std::decay_t<decltype(config.*member)>;
+                  changed.*member = *static_cast<const Value*>(value);
+                },
+                described.member);
+            check_range(changed, described, "");
+            config = changed;
+          }};
+}
+
+template <class Value>
+void bind_attribute(const py::object& type, const std::string& key, const AnyParameter& parameter,
+                    const std::string& doc) {
+  const py::cpp_function get(
+      [parameter](const py::object& self) { return *static_cast<const Value*>(parameter.value(self, parameter.row)); },
+      py::is_method(type));
+  const py::cpp_function set(
+      [parameter](const py::object& self, const Value& value) { parameter.assign(self, parameter.row, &value); },
+      py::is_method(type));
+  type.attr(key.c_str()) = py::module_::import("builtins").attr("property")(get, set, py::none(), doc);
+}
+
 /// The attributes: numbers from parameters(), parts from sections(). A part whose keys stand in its parent's section
 /// has no name there: bind it by hand.
 template <class Config>
 void bind_attributes(py::class_<Config>& binding) {
   if constexpr (kHasParameters<Config>)
-    for (const Parameter<Config>& parameter : Config::parameters()) {
-      const std::string key(parameter.key);
+    for (const Parameter<Config>& parameter : Config::parameters())
       std::visit(
           [&](auto member) {
             using Value = std::decay_t<decltype(std::declval<Config>().*member)>;
@@ -78,18 +119,9 @@ void bind_attributes(py::class_<Config>& binding) {
             doc << parameter.text;
             if constexpr (!std::is_same_v<Value, bool> && !std::is_same_v<Value, std::string>)
               doc << " [" << parameter.min << ", " << parameter.max << "]";
-            binding.def_property(
-                key.c_str(), [member](const Config& config) { return config.*member; },
-                [member, &parameter](Config& config, const Value& value) {
-                  Config changed = config;
-                  changed.*member = value;
-                  check_range(changed, parameter, "");
-                  config.*member = value;
-                },
-                doc.str().c_str());
+            bind_attribute<Value>(binding, std::string(parameter.key), forget_struct(parameter), doc.str());
           },
           parameter.member);
-    }
   if constexpr (kHasSections<Config>)
     Config::sections([&](const std::string& name, auto member) {
       using Part = std::decay_t<decltype(std::declval<Config>().*member)>;
@@ -106,7 +138,7 @@ py::class_<Config> bind_parameters(py::module_& module, const char* name, const 
     options.disable_function_signatures();
     binding.def(py::init([name](const py::kwargs& values) {
                   Config config;
-                  set_attributes(config, values, name);
+                  set_attributes(py::cast(&config, py::return_value_policy::reference), values, name);
                   return config;
                 }),
                 keyword_signature<Config>().c_str());
@@ -118,7 +150,7 @@ py::class_<Config> bind_parameters(py::module_& module, const char* name, const 
     Config::sections([&](const std::string& part, auto) {
       if (!part.empty()) fields.push_back(part);
     });
-  binding.def("__repr__", [fields](const py::object& self) { return repr_of(self, fields); });
+  give_repr(binding, fields);
   make_value(binding);
   return binding;
 }

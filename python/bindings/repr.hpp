@@ -27,6 +27,11 @@ inline std::string repr_of(const py::object& self, const std::vector<std::string
   return text + ")";
 }
 
+inline void give_repr(const py::object& type, const std::vector<std::string>& fields) {
+  type.attr("__repr__") = py::cpp_function([fields](const py::object& self) { return repr_of(self, fields); },
+                                           py::name("__repr__"), py::is_method(type));
+}
+
 /// Gives the class `name` of the module a repr of these fields; without any, of all its public properties.
 inline void add_repr(const py::module_& module, const char* name, std::initializer_list<const char*> fields = {}) {
   const py::object type = module.attr(name);
@@ -38,8 +43,7 @@ inline void add_repr(const py::module_& module, const char* name, std::initializ
       if (key[0] != '_' && py::isinstance(value, property)) names.push_back(key);
     }
   }
-  type.attr("__repr__") = py::cpp_function([names](const py::object& self) { return repr_of(self, names); },
-                                           py::name("__repr__"), py::is_method(type));
+  give_repr(type, names);
 }
 
 /// The same for several classes, each with all its properties.

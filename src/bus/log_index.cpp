@@ -13,7 +13,6 @@ namespace {
 constexpr std::uint32_t kSyncWord = 0xEDA1DA01;
 constexpr std::string_view kSyncBytes = "\xED\xA1\xDA\x01";
 constexpr std::int64_t kHeaderBytes = 4 + 8 + 8 + 4 + 4;
-constexpr std::int32_t kMaxChannelLetters = 63;
 
 struct Header {
   std::string channel;
@@ -22,6 +21,7 @@ struct Header {
 };
 
 std::optional<Header> read_header(std::istream& file, std::int64_t offset, std::int64_t file_bytes) {
+  constexpr std::int32_t kMaxChannelLetters = 63;
   std::array<char, kHeaderBytes> bytes{};
   file.clear();
   if (!file.seekg(offset) || !file.read(bytes.data(), bytes.size())) return std::nullopt;

@@ -13,10 +13,9 @@ namespace {
 using fuzzy::Controller;
 using fuzzy::LinguisticVariable;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Outside the range a term must be what it is at its end; otherwise saturating would change the controller.
 void check_saturation(const FllLine& lock_range, const LinguisticVariable& variable) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const fuzzy::Term& term : variable.terms) {
     const bool constant = [&] {
       if (std::holds_alternative<fuzzy::Gaussian>(term.set)) return false;

@@ -6,8 +6,8 @@
 namespace pilotfish::control {
 namespace {
 
-constexpr double kRetreat_s = 0.5;  // time constant with which a distance below d_min is given back
-constexpr double kMinCosine = 0.3;  // beside the robot no speed of it changes the distance
+constexpr double kRetreat_s = 0.5;        // time constant with which a distance below d_min is given back
+constexpr double kMinCosineBeside = 0.3;  // beside the robot no speed of it changes the distance
 
 }  // namespace
 
@@ -29,7 +29,7 @@ double guarded_speed(const GuardConfig& config, const Reaction& reaction, const 
 
 /// A forward speed v has the part v cos(theta) along the line of sight.
 double guarded_forward_speed(const GuardConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept {
-  return guarded_speed(config, reaction, leader) / std::max(std::cos(leader.bearing_rad), kMinCosine);
+  return guarded_speed(config, reaction, leader) / std::max(std::cos(leader.bearing_rad), kMinCosineBeside);
 }
 
 }  // namespace pilotfish::control

@@ -13,8 +13,6 @@
 namespace pilotfish::fuzzy {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // A triangle is the trapezoid whose core is one point. The comparisons come before the divisions, so that a
 // vertical side (a == b) or an open shoulder (a == b == -inf) never divides.
 double trapezoid_degree(double a, double b, double c, double d, double x) noexcept {
@@ -50,6 +48,7 @@ void check(const Triangle& s) {
 }
 
 void check(const Trapezoid& s) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::initializer_list<double> numbers = {s.a, s.b, s.c, s.d};
   if (!(s.a <= s.b && s.b <= s.c && s.c <= s.d)) violated("a <= b <= c <= d", numbers);
   if (!(s.a < s.d)) violated("a < d", numbers);

@@ -31,15 +31,15 @@ constexpr double kMaxDamping = 1e9;
 /// ten thousandth of a sigma.
 constexpr double kAtRest = 1e-8;
 
-struct NormalEquations {
+struct PoseEquations {
   Matrix6d information = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double squared_error = 0.0;
 };
 
 /// Nothing if a corner is not in front of the camera.
-std::optional<NormalEquations> linearize(const Eigen::Isometry3d& cMo, const SquareSightings& squares) {
-  NormalEquations sum;
+std::optional<PoseEquations> linearize(const Eigen::Isometry3d& cMo, const SquareSightings& squares) {
+  PoseEquations sum;
   for (const SquareSighting& square : squares) {
     Eigen::Matrix<double, 8, 6> L;
     Eigen::Matrix<double, 8, 1> difference;
@@ -64,7 +64,7 @@ std::optional<NormalEquations> linearize(const Eigen::Isometry3d& cMo, const Squ
 
 std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, const SquareSightings& squares) {
   Eigen::Isometry3d cMo = start;
-  std::optional<NormalEquations> here = linearize(cMo, squares);
+  std::optional<PoseEquations> here = linearize(cMo, squares);
   if (!here) return std::nullopt;
   double damping = 1e-6;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -76,7 +76,7 @@ std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, cons
     if (at_rest) return LocalMinimum{cMo, here->information, here->squared_error};
 
     const Eigen::Isometry3d there_cMo = se3::exp(step).inverse() * cMo;
-    const std::optional<NormalEquations> there = linearize(there_cMo, squares);
+    const std::optional<PoseEquations> there = linearize(there_cMo, squares);
     if (there && there->squared_error < here->squared_error) {
       cMo = there_cMo;
       here = there;

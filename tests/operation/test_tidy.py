@@ -1,0 +1,113 @@
+"""scripts/tidy.py: clang-tidy sees the sources of a folder together, and finds what it would find in each."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+TIDY = Path(__file__).resolve().parents[2] / "scripts/tidy.py"
+FINDING = "int* {name}() {{ return 0; }}\n"  # modernize-use-nullptr
+CLASH = "namespace {{ constexpr int kCount = {count}; }}\nint {name}() {{ return kCount; }}\n"
+
+
+class Tree:
+    """A folder of sources and the compile database that says how they are built."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+        self.sources: list[Path] = []
+
+    def source(self, name: str, text: str) -> Path:
+        path = self.root / "src" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        self.sources.append(path)
+        return path
+
+    def tidy(self) -> subprocess.CompletedProcess[str]:
+        build = self.root / "build"
+        build.mkdir(exist_ok=True)
+        command = "c++ -std=c++17 -Wall -Werror -o {0}.o -c {0}"
+        database = [
+            {"directory": str(build), "file": str(path), "command": command.format(path)} for path in self.sources
+        ]
+        (build / "compile_commands.json").write_text(json.dumps(database))
+        words = [sys.executable, TIDY, build, *self.sources]
+        return subprocess.run(words, capture_output=True, text=True, timeout=300)
+
+    def seen_together(self) -> list[list[Path]]:
+        """What the generated sources include: a group that was seen, or one that was tried."""
+        generated = sorted(self.root.glob("build/tidy/*/together.cpp"))
+        return [[Path(name) for name in re.findall(r'#include "(.*?)"', path.read_text())] for path in generated]
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Tree:
+    return Tree(tmp_path)
+
+
+def findings(output: str) -> Counter[tuple[str, str]]:
+    return Counter(re.findall(r"^(\S+?):\d+:\d+: error: .*\[([\w-]+)", output, re.MULTILINE))
+
+
+def test_a_finding_names_the_source_it_is_in(tree: Tree) -> None:
+    paths = [tree.source(f"{name}.cpp", FINDING.format(name=name)) for name in ("first", "second", "third")]
+    result = tree.tidy()
+    assert result.returncode == 1
+    assert findings(result.stdout) == {(str(path), "modernize-use-nullptr"): 1 for path in paths}
+    assert tree.seen_together() == [paths]
+
+
+def test_sources_without_a_finding_are_clean_although_what_includes_them_includes_cpp_files(tree: Tree) -> None:
+    for name in ("first", "second"):
+        tree.source(f"{name}.cpp", f"int {name}() {{ return 1; }}\n")
+    result = tree.tidy()
+    assert (result.returncode, result.stdout) == (0, "")
+
+
+def test_where_two_sources_have_one_name_each_is_still_seen(tree: Tree) -> None:
+    paths = [
+        tree.source(f"{name}.cpp", CLASH.format(name=name, count=count) + FINDING.format(name=name + "_size"))
+        for count, name in enumerate(("first", "second", "third"))
+    ]
+    result = tree.tidy()
+    assert result.returncode == 1
+    assert findings(result.stdout) == {(str(path), "modernize-use-nullptr"): 1 for path in paths}
+    assert "redefinition of 'kCount'" in result.stdout  # why it took longer
+
+
+def test_an_unused_using_declaration_is_found_although_its_check_looks_at_the_main_file_alone(tree: Tree) -> None:
+    declared = "namespace other { int number(); }\n"
+    path = tree.source("first.cpp", declared + "using other::number;\nnamespace short_name = other;\n")
+    tree.source("second.cpp", "int second() { return 2; }\n")
+    result = tree.tidy()
+    names = ("misc-unused-using-decls", "misc-unused-alias-decls")
+    assert findings(result.stdout) == {(str(path), name): 1 for name in names}
+
+
+def test_a_source_that_does_not_compile_fails_and_hides_nothing_of_the_others(tree: Tree) -> None:
+    broken = tree.source("first.cpp", "int first() { return absent; }\n")
+    other = tree.source("second.cpp", FINDING.format(name="second"))
+    result = tree.tidy()
+    assert result.returncode == 1
+    found = findings(result.stdout)
+    assert found[str(broken), "clang-diagnostic-error"] == 1
+    assert found[str(other), "modernize-use-nullptr"] == 1
+
+
+def test_a_source_that_is_not_built_is_refused_by_name(tree: Tree) -> None:
+    tree.source("first.cpp", "int first() { return 1; }\n")
+    build = tree.root / "build"
+    assert tree.tidy().returncode == 0
+    stranger = tree.root / "src/stranger.cpp"
+    stranger.write_text("")
+    words = [sys.executable, TIDY, build, *tree.sources, stranger]
+    result = subprocess.run(words, capture_output=True, text=True, timeout=300)
+    assert result.returncode == 1
+    assert str(stranger) in result.stderr
