@@ -23,6 +23,7 @@ Supervisor::Supervisor(CommandSender& sender, Inbox& inbox)
 Supervisor::~Supervisor() {
   over_ = true;
   thread_.join();
+  if (finishing_.joinable()) finishing_.join();
 }
 
 void Supervisor::ready(const std::string& source) {
@@ -37,8 +38,8 @@ void Supervisor::fail(const std::string& problem) {
 }
 
 void Supervisor::stop(Reason reason) {
+  stopping_ = true;  // first: a sender that is stuck in publishing keeps whoever finishes it
   sender_.finish(reason);
-  stopping_ = true;
   inbox_.wake();
 }
 
@@ -54,7 +55,10 @@ void Supervisor::watch() {
 void Supervisor::run() {
   std::optional<MonotonicTime> since;
   while (!over_) {
-    if (wait_for_stop_signal(kLook_ms)) stop(Reason::stop_requested);
+    if (wait_for_stop_signal(kLook_ms) && !finishing_.joinable()) {
+      stopping_ = true;
+      finishing_ = std::thread([this] { stop(Reason::stop_requested); });  // this thread keeps the time
+    }
     if (!stopping_) {
       if (ready_) watch();
       continue;

@@ -42,6 +42,7 @@ class Supervisor {
   std::atomic<std::int64_t> turns_{0};
   std::int64_t last_turns_ = -1, last_beats_ = -1;
   MonotonicTime looked_at_;  ///< when the control loop last made progress
+  std::thread finishing_;    ///< once a signal came; it may be stuck where the sender is
   std::thread thread_;       // last: it uses everything above
 };
 

@@ -265,7 +265,7 @@ PYBIND11_MODULE(control, m) {
   bind_anticipation(m);
 
   py::class_<FollowerConfig> follower_config(m, "FollowerConfig", "Everything a Follower needs.");
-  bind_attributes(follower_config);
+  bind_attributes(m, follower_config);
   {
     py::options options;
     options.disable_function_signatures();

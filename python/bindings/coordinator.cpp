@@ -30,7 +30,7 @@ void bind_config(py::module_& m) {
       .def_readwrite("camera", &CoordinatorConfig::camera, "CameraModel: size and lens of the coordinator's camera")
       .def_readwrite("mounting", &CoordinatorConfig::mounting, "CameraMounting: where it sits on the coordinator")
       .def_readwrite("leader", &CoordinatorConfig::leader, "LeaderBody: the tags to follow");
-  bind_attributes(coordinator_config);  // vision, control, safety, setpoint
+  bind_attributes(m, coordinator_config);  // vision, control, safety, setpoint
   bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
   py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
       .def_readonly("name", &config::CoordinatorFile::name, "the robot's name on the bus")

@@ -106,10 +106,28 @@ void bind_attribute(const py::object& type, const std::string& key, const AnyPar
   type.attr(key.c_str()) = py::module_::import("builtins").attr("property")(get, set, py::none(), doc);
 }
 
+template <class Config>
+py::class_<Config> bind_parameters(py::module_& module, const std::string& name, const char* text);
+
+template <class Part, class = void>
+struct PartText {
+  static constexpr const char* kText = "A section of the configuration.";
+};
+template <class Part>
+struct PartText<Part, std::void_t<decltype(Part::kText)>> : Part {};
+
+/// A section's struct that no line has bound yet is bound here, under its own name and with its kText if it has one.
+template <class Part>
+void bind_part(py::module_& module) {
+  if (py::detail::get_type_info(typeid(Part)) != nullptr) return;
+  const std::string qualified = py::type_id<Part>();
+  bind_parameters<Part>(module, qualified.substr(qualified.rfind(':') + 1), PartText<Part>::kText);
+}
+
 /// The attributes: numbers from parameters(), parts from sections(). A part whose keys stand in its parent's section
 /// has no name there: bind it by hand.
 template <class Config>
-void bind_attributes(py::class_<Config>& binding) {
+void bind_attributes(py::module_& module, py::class_<Config>& binding) {
   if constexpr (kHasParameters<Config>)
     for (const Parameter<Config>& parameter : Config::parameters())
       std::visit(
@@ -125,14 +143,16 @@ void bind_attributes(py::class_<Config>& binding) {
   if constexpr (kHasSections<Config>)
     Config::sections([&](const std::string& name, auto member) {
       using Part = std::decay_t<decltype(std::declval<Config>().*member)>;
-      if (!name.empty()) binding.def_readwrite(name.c_str(), member, describe_part<Part>().c_str());
+      if (name.empty()) return;
+      bind_part<Part>(module);
+      binding.def_readwrite(name.c_str(), member, describe_part<Part>().c_str());
     });
 }
 
 template <class Config>
-py::class_<Config> bind_parameters(py::module_& module, const char* name, const char* text) {
-  py::class_<Config> binding(module, name, text);
-  bind_attributes(binding);
+py::class_<Config> bind_parameters(py::module_& module, const std::string& name, const char* text) {
+  py::class_<Config> binding(module, name.c_str(), text);
+  bind_attributes(module, binding);
   {
     py::options options;
     options.disable_function_signatures();

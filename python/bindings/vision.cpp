@@ -139,11 +139,9 @@ PYBIND11_MODULE(vision, m) {
       "Reason.none if a pose passes the gates of its config, else what is wrong with it.", py::kw_only(),
       py::arg("pose"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
 
-  bind_parameters<HeadingFilterConfig>(m, "HeadingFilterConfig", "How headings change and how long evidence lasts.");
-  bind_parameters<LeaderTrackConfig>(m, "LeaderTrackConfig", "How a leader can move from frame to frame.");
   py::class_<LeaderObserverConfig> observer_config(m, "LeaderObserverConfig",
                                                    "How a leader is looked for and followed.");
-  bind_attributes(observer_config);  // acquisition_range_m, heading, track
+  bind_attributes(m, observer_config);  // acquisition_range_m, heading, track
   observer_config
       .def(py::init([](double acquisition_range_m, const TagDetectorConfig& detector, const TagGates& gates,
                        const LeaderPoseConfig& pose, const HeadingFilterConfig& heading,

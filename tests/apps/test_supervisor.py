@@ -27,6 +27,7 @@ RUNS = {  # what main() does, and after which line of it SIGTERM comes
     "the sender is stuck": (("ready=x", "look=500", "hold", "look=1000", "release", "look=500"), None),
     "a signal": (("ready=x", "take"), "take"),
     "a signal, and main is stuck": (("ready=x", STUCK), "idle"),
+    "a signal, and the sender is stuck": (("ready=x", "hold", STUCK), "idle"),
     "a failure": (("ready=x", "fail=the bus", "ended"), None),
     "a failure, and main is stuck": (("ready=x", "fail=the bus", STUCK), None),
 }
@@ -131,6 +132,13 @@ def test_a_program_that_is_told_to_end_ends_though_a_thread_is_stuck(runs):
     run = runs["a signal, and main is stuck"]
     assert run.sent[-3:] == [(Status.stopped, Reason.stop_requested)] * 3
     assert [what for _, what in run.heard if "STOPPING" in what] == ["STOPPING=1\nSTATUS=stopping"]
+    assert run.end is None
+    assert run.code == 0
+    assert END_WITHIN_S - 0.1 < run.ended_s - run.began_s["idle"] < 10.0
+
+
+def test_it_ends_though_the_thread_that_sends_commands_is_stuck(runs):
+    run = runs["a signal, and the sender is stuck"]
     assert run.end is None
     assert run.code == 0
     assert END_WITHIN_S - 0.1 < run.ended_s - run.began_s["idle"] < 10.0

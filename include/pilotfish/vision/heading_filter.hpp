@@ -14,6 +14,7 @@ namespace pilotfish::vision {
 
 /// How headings change and how long evidence lasts.
 struct HeadingFilterConfig {
+  static constexpr const char* kText = "How headings change and how long evidence lasts.";
   PILOTFISH_PARAMETERS(HeadingFilterConfig);
   PILOTFISH_PARAMETER(double, acceleration_radps2, 2.0, 0.01, 100.0,
                       "standard deviation of the angular acceleration of the leader relative to the coordinator");

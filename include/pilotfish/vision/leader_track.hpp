@@ -15,6 +15,7 @@ namespace pilotfish::vision {
 
 /// How a leader can move from frame to frame.
 struct LeaderTrackConfig {
+  static constexpr const char* kText = "How a leader can move from frame to frame.";
   PILOTFISH_PARAMETERS(LeaderTrackConfig);
   PILOTFISH_PARAMETER(
       double, memory_s, 0.5, 0.0, 5.0,
