@@ -118,12 +118,18 @@ class Operator:
             )
         return status
 
-    def set_setpoint(self, *, distance_m: float, bearing_rad: float, within_s: float = WITHIN_S) -> StatusReport:
-        """Says what to keep. A robot that has been stopped stays stopped."""
-        if not (math.isfinite(distance_m) and math.isfinite(bearing_rad)):
+    def set_setpoint(
+        self, *, distance_m: float | None = None, bearing_rad: float | None = None, within_s: float = WITHIN_S
+    ) -> StatusReport:
+        """Says what to keep; None: as it is. A robot that has been stopped stays stopped."""
+        if not all(math.isfinite(number) for number in (distance_m, bearing_rad) if number is not None):
             raise OperatorError("the distance and the bearing must be numbers")
-        running = self.listen(within_s).setpoint.run
-        asked = Setpoint.unchecked(distance_m=distance_m, bearing_rad=bearing_rad, run=running)  # it says why not
+        kept = self.listen(within_s).setpoint
+        asked = Setpoint.unchecked(  # the coordinator says why not
+            distance_m=kept.distance_m if distance_m is None else distance_m,
+            bearing_rad=kept.bearing_rad if bearing_rad is None else bearing_rad,
+            run=kept.run,
+        )
         return self._ask(asked, within_s)
 
     def _ask(self, setpoint: Setpoint, within_s: float) -> StatusReport:

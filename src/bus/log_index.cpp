@@ -13,6 +13,8 @@ namespace {
 constexpr std::uint32_t kSyncWord = 0xEDA1DA01;
 constexpr std::string_view kSyncBytes = "\xED\xA1\xDA\x01";
 constexpr std::int64_t kHeaderBytes = 4 + 8 + 8 + 4 + 4;
+/// A file without a message in so many bytes is no log, and may be as large as a disk.
+constexpr std::int64_t kFirstMessageWithin_bytes = 64 << 20;
 
 struct Header {
   std::string channel;
@@ -74,9 +76,12 @@ LogIndex index_log(std::istream& file, const std::string& channel) {
       ++index.channels[header->channel];
       if (header->channel == channel) index.events.push_back(header->event);
       offset = header->end;
+    } else if (index.channels.empty() && offset > kFirstMessageWithin_bytes) {
+      break;
     } else {
       ++index.damaged;
-      offset = find_sync(file, offset + 1, file_bytes);
+      offset = find_sync(file, offset + 1,
+                         index.channels.empty() ? std::min(file_bytes, kFirstMessageWithin_bytes + 1) : file_bytes);
     }
   }
   return index;

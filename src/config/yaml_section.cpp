@@ -31,6 +31,7 @@ std::string radians_key(const std::string& key) {
 }
 
 std::string shown(const YAML::Node& node) {
+  if (node.IsNull()) return "nothing";
   return node.IsScalar() ? "'" + node.Scalar() + "'" : (node.IsSequence() ? "a list" : "a mapping");
 }
 

@@ -126,3 +126,22 @@ def test_a_channel_that_is_not_in_the_log_is_refused_with_those_that_are(tmp_pat
     path.write_bytes(image_event(1) + event(b"R1_POSE", b"") + image_event(2))
     with pytest.raises(bus.BusError, match=r"no messages on channel R9_IMAGE; it has: IMAGE \(2\), R1_POSE \(1\)"):
         bus.LogReader(str(path), channel="R9_IMAGE")
+
+
+def test_a_file_as_large_as_a_disk_that_is_no_log_is_refused_at_once(tmp_path):
+    """A sparse file: 1 TB of zeros. At 1 GB/s it would take a quarter of an hour to read."""
+    path = tmp_path / "disk.img"
+    with path.open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(bus.BusError, match="is not an LCM log"):
+        bus.LogReader(str(path), channel="IMAGE")
+
+
+def test_a_log_with_80_mb_of_damage_behind_its_first_message_goes_on(tmp_path):
+    path = tmp_path / "run.lcm"
+    with path.open("wb") as file:
+        file.write(image_event(1))
+        file.seek(80 << 20)
+        file.write(image_event(2))
+    reader = bus.LogReader(str(path), channel="IMAGE")
+    assert (gray_levels(reader), reader.damaged) == ([1, 2], 1)

@@ -204,3 +204,17 @@ def test_yaml_without_bottom_is_refused(tmp_path, text, load):
     (tmp_path / "deep.yaml").write_text(text)
     with pytest.raises(ValueError, match=r"^[\w.\[\]]+: "):
         load(tmp_path / "deep.yaml")
+
+
+@pytest.mark.parametrize(
+    ("load", "key", "text"),
+    [
+        (coordinator.load_coordinator, "name", "name: ~"),
+        (coordinator.load_leader_body, "family", "name: a\nfamily:\n"),
+        (coordinator.load_leader_body, "tags", "name: a\nfamily: tag36h11\ntags:\n"),
+    ],
+)
+def test_a_key_without_a_value_is_said_to_have_none(tmp_path, load, key, text):
+    (tmp_path / "empty.yaml").write_text(text)
+    with pytest.raises(ValueError, match=rf"^{key}: nothing is not a "):
+        load(tmp_path / "empty.yaml")

@@ -51,10 +51,15 @@ def resume(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None,
 
 def setpoint(
     robot: RobotArgument,
-    distance_m: Annotated[float, typer.Option("--distance-m", help="d_p: distance to keep to the leader.")],
+    distance_m: Annotated[
+        float | None, typer.Option("--distance-m", help="d_p: distance to keep to the leader. Default: as it is.")
+    ] = None,
     bearing_deg: Annotated[
-        float, typer.Option("--bearing-deg", help="theta_pd: where to keep the leader, positive: to the left.")
-    ] = 0.0,
+        float | None,
+        typer.Option(
+            "--bearing-deg", help="theta_pd: where to keep the leader, positive: to the left. Default: as it is."
+        ),
+    ] = None,
     lcm_url: UrlOption = "",
     key: KeyOption = None,
     within_s: WithinOption = 3.0,
@@ -67,7 +72,9 @@ def setpoint(
     """
     with friendly_errors():
         operator = _operator(robot, lcm_url, key)
-        bearing_rad = math.radians(bearing_deg)
+        if distance_m is None and bearing_deg is None:
+            raise typer.BadParameter("nothing to change: say --distance-m, --bearing-deg or both")
+        bearing_rad = None if bearing_deg is None else math.radians(bearing_deg)
         _say(operator, operator.set_setpoint(distance_m=distance_m, bearing_rad=bearing_rad, within_s=within_s))
 
 
