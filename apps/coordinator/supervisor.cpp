@@ -38,8 +38,9 @@ void Supervisor::fail(const std::string& problem) {
 }
 
 void Supervisor::stop(Reason reason) {
-  stopping_ = true;  // first: a sender that is stuck in publishing keeps whoever finishes it
+  ending_ = true;  // first: a sender that is stuck in publishing keeps whoever finishes it
   sender_.finish(reason);
+  stopping_ = true;  // then: the main thread finishes it as well, with a reason of its own, which must not be the first
   inbox_.wake();
 }
 
@@ -56,10 +57,10 @@ void Supervisor::run() {
   std::optional<MonotonicTime> since;
   while (!over_) {
     if (wait_for_stop_signal(kLook_ms) && !finishing_.joinable()) {
-      stopping_ = true;
+      ending_ = true;
       finishing_ = std::thread([this] { stop(Reason::stop_requested); });  // this thread keeps the time
     }
-    if (!stopping_) {
+    if (!ending_) {
       if (ready_) watch();
       continue;
     }

@@ -38,7 +38,7 @@ class Supervisor {
   CommandSender& sender_;
   Inbox& inbox_;
   ServiceNotify service_;
-  std::atomic<bool> ready_{false}, stopping_{false}, failed_{false}, over_{false};
+  std::atomic<bool> ready_{false}, ending_{false}, stopping_{false}, failed_{false}, over_{false};
   std::atomic<std::int64_t> turns_{0};
   std::int64_t last_turns_ = -1, last_beats_ = -1;
   MonotonicTime looked_at_;  ///< when the control loop last made progress
