@@ -163,11 +163,6 @@ SenderCounts CommandSender::counts() const {
   return counts_;
 }
 
-std::int64_t CommandSender::beats() const {
-  const std::lock_guard lock(mutex_);
-  return beats_;
-}
-
 MonotonicTime CommandSender::due() const {
   if (deadline_served_ || !held_.holding) return next_beat_;
   return std::min(next_beat_, later(held_.until, 1 - kSendAhead_us));  // `until` itself is still fresh

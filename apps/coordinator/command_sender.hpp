@@ -70,7 +70,8 @@ class CommandSender {
   SenderCounts counts() const;
   /// Commands so far, without waiting for one that is just leaving.
   std::int64_t sent() const { return sent_; }
-  std::int64_t beats() const;  ///< of its own thread: it is alive if this rises
+  /// Of its own thread: it is alive if this rises. Waits for nobody, so it can be asked while the thread is stuck.
+  std::int64_t beats() const { return beats_; }
 
  private:
   HeldAnswer holds_at(MonotonicTime now, Reason reason) const;
@@ -94,7 +95,7 @@ class CommandSender {
   MonotonicTime next_beat_;
   bool deadline_served_ = true;  ///< the zero at the end of what is held has left
   bool finished_ = false;
-  std::int64_t beats_ = 0;
+  std::atomic<std::int64_t> beats_{0};
   std::atomic<std::int64_t> sent_{0};
   SenderCounts counts_;
   std::thread thread_;  // last: it uses everything above

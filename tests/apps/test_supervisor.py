@@ -27,7 +27,7 @@ RUNS = {  # what main() does, and after which line of it SIGTERM comes
     "the sender is stuck": (("ready=x", "look=500", "hold", "look=1000", "release", "look=500"), None),
     "a signal": (("ready=x", "take"), "take"),
     "a signal, and main is stuck": (("ready=x", STUCK), "idle"),
-    "a signal, and the sender is stuck": (("ready=x", "hold", STUCK), "idle"),
+    "a signal, and the sender is stuck": (("ready=x", "hold", "look=500", STUCK), "idle"),
     "a failure": (("ready=x", "fail=the bus", "ended"), None),
     "a failure, and main is stuck": (("ready=x", "fail=the bus", STUCK), None),
 }
