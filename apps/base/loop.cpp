@@ -166,7 +166,7 @@ class Loop {
     } else if (output.accepted_session != 0) {
       spdlog::info("{}, accepted session {:x}", to_string(output.state), output.accepted_session);
     } else {
-      spdlog::info("{}, obeying nobody", to_string(output.state));
+      spdlog::info("{}, no session accepted", to_string(output.state));
     }
   }
 

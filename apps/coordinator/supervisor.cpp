@@ -56,10 +56,8 @@ void Supervisor::watch() {
 void Supervisor::run() {
   std::optional<MonotonicTime> since;
   while (!over_) {
-    if (wait_for_stop_signal(kLook_ms) && !finishing_.joinable()) {
-      ending_ = true;
+    if (wait_for_stop_signal(kLook_ms) && !finishing_.joinable())
       finishing_ = std::thread([this] { stop(Reason::stop_requested); });  // this thread keeps the time
-    }
     if (!ending_) {
       if (ready_) watch();
       continue;

@@ -114,8 +114,7 @@ void bind_base(py::module_& m) {
           },
           py::kw_only(), py::arg("session") = 0, py::arg("counter") = 0, py::arg("run"), py::arg("now_us"),
           "LatchVerdict of a setpoint: run=False latches a stop whoever says so; run=True must name the accepted "
-          "session "
-          "and a counter that rises.")
+          "session and a counter that rises.")
       .def("driver_works", &Base::driver_works, py::arg("works"), "The driver can or cannot be reached.")
       .def(
           "step", [](Base& self, std::int64_t now_us) { return self.step({now_us}); }, py::kw_only(), py::arg("now_us"),

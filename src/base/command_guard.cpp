@@ -46,9 +46,9 @@ void CommandGuard::advance(MonotonicTime now) noexcept {
   }
   last_now_ = std::max(last_now_, now);
   if (command_ && now.us - last_arrival_.us >= life_us) command_.reset();
-  if (obeyed_ != 0 && now.us - last_heard_.us > microseconds(config_.takeover_s)) {
-    silent_ = obeyed_;
-    obeyed_ = 0;
+  if (accepted_session_ != 0 && now.us - last_heard_.us > microseconds(config_.takeover_s)) {
+    silent_ = accepted_session_;
+    accepted_session_ = 0;
   }
 }
 
@@ -71,15 +71,15 @@ CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTi
 
   if (command.simulated && !simulated_allowed_) return CommandVerdict::simulated;
   if (sender->ended) return CommandVerdict::session_ended;
-  if (obeyed_ != 0 && obeyed_ != command.session) return CommandVerdict::foreign;
-  if (obeyed_ == command.session) last_heard_ = now;
+  if (accepted_session_ != 0 && accepted_session_ != command.session) return CommandVerdict::foreign;
+  if (accepted_session_ == command.session) last_heard_ = now;
   if (later(arrived.us, microseconds(config_.max_command_age_s)) <= now.us) return CommandVerdict::stale;
   if (now < gap_until_) return CommandVerdict::after_gap;
   // A sender that was only silent (a process that was stopped for a while) may go on, with counters that still rise.
   // Once another one is active, its session has ended for good.
   if (silent_ != 0 && silent_ != command.session) find(silent_)->ended = true;
   silent_ = 0;
-  obeyed_ = command.session;
+  accepted_session_ = command.session;
   last_heard_ = now;
   last_arrival_ = std::min(arrived, now);
   command_ = command.twist;
@@ -98,7 +98,7 @@ std::optional<MonotonicTime> CommandGuard::deadline() const noexcept {
 
 std::int64_t CommandGuard::accepted_session(MonotonicTime now) noexcept {
   advance(now);
-  return obeyed_;
+  return accepted_session_;
 }
 
 }  // namespace pilotfish::base

@@ -71,17 +71,17 @@ LogIndex index_log(std::istream& file, const std::string& channel) {
   file.clear();
   file.seekg(0, std::ios::end);
   const std::int64_t file_bytes = file.tellg();
-  for (std::int64_t offset = 0; offset < file_bytes;) {
+  const auto search_until = [&] {
+    return index.channels.empty() ? std::min(file_bytes, kFirstMessageWithin_bytes) : file_bytes;
+  };
+  for (std::int64_t offset = 0; offset < search_until();) {
     if (const auto header = read_header(file, offset, file_bytes)) {
       ++index.channels[header->channel];
       if (header->channel == channel) index.events.push_back(header->event);
       offset = header->end;
-    } else if (index.channels.empty() && offset > kFirstMessageWithin_bytes) {
-      break;
     } else {
       ++index.damaged;
-      offset = find_sync(file, offset + 1,
-                         index.channels.empty() ? std::min(file_bytes, kFirstMessageWithin_bytes + 1) : file_bytes);
+      offset = find_sync(file, offset + 1, search_until());
     }
   }
   return index;

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forward_speed.hpp"
 #include "pilotfish/core/angles.hpp"
 
 namespace pilotfish::control {
 namespace {
 
-// If the leader is beside the robot, no speed of the robot changes the distance: there the law must not divide by zero.
-// Setpoints keep away from there (kMaxBearing_rad), so this bounds a transient only.
-constexpr double kMinCosine = 0.3;
 constexpr double kMinDistance_m = 0.05;
 
 /// Rate of the bearing if the robot does not turn, from the leader's and from its own speed.
@@ -47,15 +45,14 @@ Anticipation anticipate(const fuzzy::Controller& controller, const FuzzyVelocity
   scales.error_change_scale_m = config.error_change_scale_m;
   scales.velocity_scale_mps = config.velocity_scale_mps;
   // ec is the predicted error's rate times T: e' = -d' = v cos(theta) - v_r.
-  const double cosine = std::cos(leader.bearing_rad);
-  const double error_rate_mps = own.linear_mps * cosine - leader.radial_mps;
+  const double error_rate_mps = own.linear_mps * std::cos(leader.bearing_rad) - leader.radial_mps;
   const double error_m = setpoint.distance_m - leader.distance_m;
   const double period_s = scales.control_period_s;
 
   Anticipation result;
   result.velocity = fuzzy_velocity(controller, scales, setpoint.distance_m, leader.distance_m,
                                    error_m - error_rate_mps * period_s, period_s);
-  result.wanted.linear_mps = (leader.radial_mps + result.velocity.linear_mps) / std::max(cosine, kMinCosine);
+  result.wanted.linear_mps = forward_speed(leader.radial_mps + result.velocity.linear_mps, leader.bearing_rad);
   result.wanted.angular_radps = config.heading_gain_per_s * wrap_angle(leader.bearing_rad - setpoint.bearing_rad) +
                                 bearing_rate(leader, own.linear_mps);
   return result;

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forward_speed.hpp"
+
 namespace pilotfish::control {
 namespace {
 
-constexpr double kRetreat_s = 0.5;        // time constant with which a distance below d_min is given back
-constexpr double kMinCosineBeside = 0.3;  // beside the robot no speed of it changes the distance
+constexpr double kRetreat_s = 0.5;  // time constant with which a distance below d_min is given back
 
 }  // namespace
 
@@ -29,7 +30,7 @@ double guarded_speed(const GuardConfig& config, const Reaction& reaction, const 
 
 /// A forward speed v has the part v cos(theta) along the line of sight.
 double guarded_forward_speed(const GuardConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept {
-  return guarded_speed(config, reaction, leader) / std::max(std::cos(leader.bearing_rad), kMinCosineBeside);
+  return forward_speed(guarded_speed(config, reaction, leader), leader.bearing_rad);
 }
 
 }  // namespace pilotfish::control

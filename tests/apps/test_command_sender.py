@@ -19,8 +19,8 @@ def answer(utime, linear_mps, life_us=LONG_US, status=Status.tracking, reason=Re
     return f"answer {utime} {linear_mps} {int(status)} {int(reason)} {life_us} {int(holding)}"
 
 
-def told_core(holding, run, stops):
-    return f"told_core {int(holding)} {int(run)} {stops}"
+def setpoint_changed(holding, run, stops):
+    return f"setpoint_changed {int(holding)} {int(run)} {stops}"
 
 
 def undisturbed(test):
@@ -117,7 +117,9 @@ def test_a_deadline_that_was_kept_is_not_counted_as_missed():
 
 def test_what_the_coordinator_put_to_rest_before_it_died_has_no_deadline_to_miss():
     """Its life ends 30 ms after the answer; the next zero leaves after 50 ms, and nothing was held in between."""
-    (counts,) = only(play(SENDER, answer(55, 0.5, 30_000), told_core(False, True, 0), "wait 1", "counts"), "counts")
+    (counts,) = only(
+        play(SENDER, answer(55, 0.5, 30_000), setpoint_changed(False, True, 0), "wait 1", "counts"), "counts"
+    )
     assert counts[1] == "0"
 
 
@@ -156,11 +158,11 @@ def test_a_stop_is_a_zero_at_once_and_until_the_coordinator_has_been_told_of_it_
         "stop",
         "wait 1",
         answer(56, 0.6),  # a frame that the coordinator looked at before it was told
-        told_core(True, True, 0),  # a setpoint from before the stop
+        setpoint_changed(True, True, 0),  # a setpoint from before the stop
         answer(57, 0.7),
-        told_core(True, False, 1),
+        setpoint_changed(True, False, 1),
         "wait 1",
-        told_core(False, True, 1),
+        setpoint_changed(False, True, 1),
         answer(58, 0.8),
         "counts",
     )
@@ -176,9 +178,9 @@ def test_a_stop_is_a_zero_at_once_and_until_the_coordinator_has_been_told_of_it_
 
 
 def test_two_stops_are_over_only_when_the_coordinator_knows_of_both():
-    lines = [SENDER, answer(55, 0.5), "stop", "stop", told_core(False, True, 1), answer(56, 0.6)]
+    lines = [SENDER, answer(55, 0.5), "stop", "stop", setpoint_changed(False, True, 1), answer(56, 0.6)]
     assert said(next(one for one in sent_by(*lines) if one.utime == 56)) == (0.0, Status.stopped, Reason.stop_requested)
-    lines += [told_core(False, True, 2), told_core(False, True, 1), answer(57, 0.7)]
+    lines += [setpoint_changed(False, True, 2), setpoint_changed(False, True, 1), answer(57, 0.7)]
     assert said(next(one for one in sent_by(*lines) if one.utime == 57)) == (0.7, Status.tracking, Reason.none)
 
 
@@ -186,7 +188,7 @@ def test_two_stops_are_over_only_when_the_coordinator_knows_of_both():
 @pytest.mark.parametrize(("holding", "run"), [(False, True), (True, False)])
 def test_when_the_coordinator_rests_or_stops_nothing_is_held_any_more(holding, run):
     sent = after_answer(
-        SENDER, answer(55, 0.5), told_core(holding, run, 0), "wait 2", told_core(True, True, 0), "wait 1"
+        SENDER, answer(55, 0.5), setpoint_changed(holding, run, 0), "wait 2", setpoint_changed(True, True, 0), "wait 1"
     )
     assert sent[0].linear_mps == 0.5
     assert all(one.linear_mps == 0.0 for one in sent[1:])
@@ -195,7 +197,7 @@ def test_when_the_coordinator_rests_or_stops_nothing_is_held_any_more(holding, r
 
 @undisturbed
 def test_what_the_coordinator_still_holds_goes_on():
-    sent = after_answer(SENDER, answer(55, 0.5), told_core(True, True, 0), "wait 2")
+    sent = after_answer(SENDER, answer(55, 0.5), setpoint_changed(True, True, 0), "wait 2")
     assert all(one.linear_mps == 0.5 for one in sent)
 
 
@@ -267,7 +269,7 @@ def test_simulated_time_stands_still_while_a_frame_is_looked_at():
 
 @undisturbed
 def test_what_left_and_why_is_recorded_with_what_the_core_held():
-    happened = play("sender 30 0.1 0 1", answer(55, 0.5), "stop", told_core(False, False, 1), "wait 1")
+    happened = play("sender 30 0.1 0 1", answer(55, 0.5), "stop", setpoint_changed(False, False, 1), "wait 1")
     sent, recorded = only(happened, "sent"), only(happened, "recorded")
     assert [(r.counter, r.status, r.reason) for r in recorded] == [(s.counter, s.status, s.reason) for s in sent]
     at = next(k for k, one in enumerate(sent) if one.utime == 55)

@@ -7,7 +7,7 @@
 //   inbox                                    -> inbox OVERTAKEN FORGOTTEN
 //   sender FRAME_RATE_HZ MAX_AGE_S SIMULATED RECORDS
 //   answer UTIME LINEAR STATUS REASON LIFE_US HOLDING   -> answer LINEAR STATUS REASON; from now on for LIFE_US
-//   again UTIME | told_core HOLDING RUN STOPS | stop | rival AGO_US | base SESSION | finish REASON
+//   again UTIME | setpoint_changed HOLDING RUN STOPS | stop | rival AGO_US | base SESSION | finish REASON
 //   wait N                                   until N more commands have left by themselves, 5 s at most
 //   counts                                   -> counts SENT MISSED RIVALS LATE STOPS BEATS_RISE
 // and, for every command that leaves,
@@ -113,7 +113,7 @@ struct Player {
     const HeldAnswer sent = sender->answer(result, held, result.utime);
     print("answer", sent.command.linear_mps, static_cast<int>(sent.status), static_cast<int>(sent.reason));
   }
-  void told_core() {
+  void setpoint_changed() {
     HeldCommand held;
     held.holding = next<bool>();
     held.run = next<bool>();
@@ -159,8 +159,8 @@ struct Player {
       answer();
     } else if (what == "again") {
       sender->answer_again(next<std::int64_t>());
-    } else if (what == "told_core") {
-      told_core();
+    } else if (what == "setpoint_changed") {
+      setpoint_changed();
     } else if (what == "stop") {
       print("stop", sender->stop_received());
     } else if (what == "rival") {

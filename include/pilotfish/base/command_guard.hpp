@@ -87,7 +87,7 @@ class CommandGuard {
   std::int64_t own_session_;
   bool simulated_allowed_;
   BoundedVector<Sender, kSessions> senders_;
-  std::int64_t obeyed_ = 0;
+  std::int64_t accepted_session_ = 0;
   std::int64_t silent_ = 0;     ///< session that is silent and not yet replaced
   MonotonicTime last_arrival_;  ///< of a good command of the active sender
   MonotonicTime last_heard_;    ///< of any message of the active sender, in time or not

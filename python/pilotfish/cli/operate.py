@@ -71,9 +71,9 @@ def setpoint(
       pilotfish setpoint robot1 --distance-m 1.1 --bearing-deg -10
     """
     with friendly_errors():
-        operator = _operator(robot, lcm_url, key)
         if distance_m is None and bearing_deg is None:
             raise typer.BadParameter("nothing to change: say --distance-m, --bearing-deg or both")
+        operator = _operator(robot, lcm_url, key)
         bearing_rad = None if bearing_deg is None else math.radians(bearing_deg)
         _say(operator, operator.set_setpoint(distance_m=distance_m, bearing_rad=bearing_rad, within_s=within_s))
 
