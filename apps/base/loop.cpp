@@ -76,8 +76,12 @@ class Loop {
   void receive(const bus::CommandReport& report) {
     // Only these two statuses may move a robot, whatever else the message says.
     const bool may_move = report.status == Status::tracking || report.status == Status::coasting;
-    const base::ReceivedCommand command{report.session, report.counter, report.base_session,
-                                        may_move ? report.command : Twist{}, report.simulated};
+    const base::ReceivedCommand command{report.session,
+                                        report.counter,
+                                        report.base_session,
+                                        {report.valid_until_us},
+                                        may_move ? report.command : Twist{},
+                                        report.simulated};
     if (base_.receive(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::accepted) fresh_ = true;
   }
   void receive(const bus::SetpointReport& report) {
@@ -135,6 +139,7 @@ class Loop {
     report.utime = wall_utime();
     report.session = base_.session();
     report.counter = ++counter_;
+    report.monotonic_us = monotonic_now().us;
     report.accepted_session = output.accepted_session;
     report.command = output.command;
     report.measured = std::exchange(measured_, std::nullopt);

@@ -55,6 +55,8 @@ void CommandSender::send(const HeldAnswer& answer, std::int64_t image_utime, Mon
   report.session = config_.session;
   report.counter = ++sent_;
   report.base_session = base_session_;
+  // Between this and its leaving, the process may be stopped: the wheels must be able to tell.
+  if (!(answer.command == Twist{})) report.valid_until_us = base_clock_.convert(held_.until).value_or(held_.until.us);
   report.simulated = config_.simulated;
   report.command = answer.command;
   report.status = answer.status;
@@ -140,9 +142,10 @@ void CommandSender::rival_heard(MonotonicTime now) {
     send(holds_at(now, Reason::another_coordinator), image_utime_, now, now, Reason::another_coordinator);
 }
 
-void CommandSender::base_heard(std::int64_t base_session) {
+void CommandSender::base_heard(std::int64_t base_session, std::int64_t base_us, MonotonicTime arrival) {
   const std::lock_guard lock(mutex_);
   base_session_ = base_session;
+  if (base_us > 0) base_clock_.received(base_session, base_us, arrival);
 }
 
 void CommandSender::finish(Reason reason) {

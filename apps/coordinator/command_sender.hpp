@@ -10,6 +10,7 @@
 
 #include "pilotfish/bus/reports.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
+#include "pilotfish/core/remote_clock.hpp"
 #include "stage_times.hpp"
 
 namespace pilotfish::apps {
@@ -63,7 +64,8 @@ class CommandSender {
   std::int64_t stops_received() const;
   /// Another sender commands this robot: zeros from both, until a second after the last of the other's.
   void rival_heard(MonotonicTime now);
-  void base_heard(std::int64_t base_session);
+  /// The wheels' process announced itself: its session, and its clock when that left.
+  void base_heard(std::int64_t base_session, std::int64_t base_us, MonotonicTime arrival);
   /// Zeros with that reason, three times because a datagram may be lost, and nothing after them.
   void finish(Reason reason);
 
@@ -91,6 +93,7 @@ class CommandSender {
   HeldAnswer last_answer_;
   std::int64_t image_utime_ = 0, base_session_ = 0;
   std::int64_t stops_received_ = 0, stops_applied_ = 0;
+  RemoteClock base_clock_;
   std::optional<MonotonicTime> rival_;
   MonotonicTime next_beat_;
   bool deadline_served_ = true;  ///< the zero at the end of what is held has left

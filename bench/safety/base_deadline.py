@@ -144,6 +144,7 @@ def _send(url: str, base_session: int) -> None:
     next_s = time.monotonic()
     while True:
         message.counter += 1
+        message.valid_until_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 + 100_000
         bus.publish("ROBOT1_COMMAND", message.encode())
         next_s = max(next_s + 1 / COMMANDS_PER_S, time.monotonic())
         time.sleep(max(next_s - time.monotonic(), 0.0))

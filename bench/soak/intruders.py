@@ -64,6 +64,7 @@ def forgeries(robot: Robot, rng: random.Random, duration_s: float) -> None:
                 session=rng.choice([robot.session, rng.getrandbits(62)]),
                 counter=2**62,
                 base_session=robot.base_session,
+                valid_until_us=time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 + 100_000,
                 command=moving,
                 simulated=True,
                 status=Status.tracking,

@@ -1,6 +1,7 @@
 // A wheel driver that executes a coordinator's commands: wheel_driver ROBOT [LCM_URL]. pilotfish-base does this, and
 // more, for differential drives; this is the minimum that is safe.
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <optional>
@@ -10,7 +11,7 @@
 
 namespace {
 
-constexpr std::int64_t kDeadline_us = 100'000;  // then the wheels stop without a command
+constexpr std::int64_t kDeadline_us = 85'000;  // without a command; the wheels stand still before 100 ms
 
 void turn_wheels(const pilotfish::Twist& twist) {  // replace this by your motor controller
   std::printf("v = %+.3f m/s, w = %+.3f rad/s\n", twist.linear_mps, twist.angular_radps);
@@ -26,19 +27,20 @@ int main(int argc, char** argv) try {
   }
   pilotfish::bus::Bus bus(argc > 2 ? argv[2] : "");
   std::optional<pilotfish::SequenceGuard> guard;  // accepts the first coordinator that sends, and no other
-  std::int64_t arrival_us = 0;
+  std::int64_t until_us = 0;
   bool moving = false;
   bus.on_command(argv[1], [&](const pilotfish::bus::CommandReport& report) {
     if (report.simulated || report.session == 0) return;  // not for real wheels
     if (!guard) guard.emplace(report.session);
     if (guard->accept(report.session, report.counter) != pilotfish::SequenceVerdict::accepted) return;
-    arrival_us = bus.arrival().us;  // not now: it may have waited in the queue
-    moving = report.command.linear_mps != 0.0 || report.command.angular_radps != 0.0;
-    turn_wheels(report.command);
+    // Not from now on: it may have waited in the queue, or its measurement may be old (on one computer).
+    until_us = std::min(bus.arrival().us + kDeadline_us, report.valid_until_us);
+    moving = pilotfish::monotonic_now().us < until_us;  // for zeros there is no validity
+    turn_wheels(moving ? report.command : pilotfish::Twist{});
   });
   while (true) {
-    bus.handle(10);
-    if (moving && pilotfish::monotonic_now().us - arrival_us > kDeadline_us - 15'000) {
+    bus.handle(5);
+    if (moving && until_us <= pilotfish::monotonic_now().us) {
       moving = false;
       turn_wheels({});
     }

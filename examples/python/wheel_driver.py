@@ -6,7 +6,7 @@ import time
 
 from pilotfish import bus, core
 
-DEADLINE_S = 0.1  # then the wheels stop without a command
+DEADLINE_US = 85_000  # without a command; the wheels stand still before 100 ms
 
 
 def turn_wheels(twist: core.Twist) -> None:
@@ -14,10 +14,14 @@ def turn_wheels(twist: core.Twist) -> None:
     print(f"v = {twist.linear_mps:+.3f} m/s, w = {twist.angular_radps:+.3f} rad/s", flush=True)
 
 
+def now_us() -> int:
+    return time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+
+
 class Wheels:
     def __init__(self) -> None:
         self.guard: core.SequenceGuard | None = None  # accepts the first coordinator that sends, and no other
-        self.arrival_s = 0.0
+        self.until_us = 0
         self.moving = False
 
     def on_command(self, report: bus.CommandReport) -> None:
@@ -26,9 +30,10 @@ class Wheels:
         self.guard = self.guard or core.SequenceGuard(report.session)
         if self.guard.accept(report.session, report.counter) != core.SequenceVerdict.accepted:
             return
-        self.arrival_s = link.arrival_us * 1e-6  # not now: it may have waited in the queue
-        self.moving = (report.command.linear_mps, report.command.angular_radps) != (0.0, 0.0)
-        turn_wheels(report.command)
+        # Not from now on: it may have waited in the queue, or its measurement may be old (on one computer).
+        self.until_us = min(link.arrival_us + DEADLINE_US, report.valid_until_us)
+        self.moving = now_us() < self.until_us  # for zeros there is no validity
+        turn_wheels(report.command if self.moving else core.Twist())
 
 
 if len(sys.argv) < 2:
@@ -37,8 +42,8 @@ link, wheels = bus.Bus(sys.argv[2] if len(sys.argv) > 2 else ""), Wheels()
 link.on_command(sys.argv[1], wheels.on_command)
 try:
     while True:
-        link.handle(10)
-        if wheels.moving and time.clock_gettime(time.CLOCK_BOOTTIME) - wheels.arrival_s > DEADLINE_S - 0.015:
+        link.handle(5)
+        if wheels.moving and wheels.until_us <= now_us():
             wheels.moving = False
             turn_wheels(core.Twist())
 finally:

@@ -66,6 +66,7 @@ void bind_guards(py::module_& m) {
       .value("simulated", CommandVerdict::simulated)
       .value("replayed", CommandVerdict::replayed)
       .value("stale", CommandVerdict::stale)
+      .value("expired", CommandVerdict::expired)
       .value("after_gap", CommandVerdict::after_gap)
       .value("session_ended", CommandVerdict::session_ended)
       .value("foreign", CommandVerdict::foreign)
@@ -98,15 +99,17 @@ void bind_base(py::module_& m) {
            "session: this process's own, drawn at random, never 0; simulated_allowed: these are no real wheels.")
       .def(
           "command",
-          [](Base& self, std::int64_t session, std::int64_t counter, std::int64_t base_session, const Twist& twist,
-             bool simulated, std::int64_t now_us, std::optional<std::int64_t> arrived_us) {
-            return self.receive(ReceivedCommand{session, counter, base_session, twist, simulated},
+          [](Base& self, std::int64_t session, std::int64_t counter, std::int64_t base_session,
+             std::int64_t valid_until_us, const Twist& twist, bool simulated, std::int64_t now_us,
+             std::optional<std::int64_t> arrived_us) {
+            return self.receive(ReceivedCommand{session, counter, base_session, {valid_until_us}, twist, simulated},
                                 {arrived_us.value_or(now_us)}, {now_us});
           },
-          py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("base_session"), py::arg("twist"),
-          py::arg("simulated") = false, py::arg("now_us"), py::arg("arrived_us") = py::none(),
-          "CommandVerdict of a command that reached this host at arrived_us [us] (by default now_us) and is heard at "
-          "now_us.")
+          py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("base_session"), py::arg("valid_until_us"),
+          py::arg("twist"), py::arg("simulated") = false, py::arg("now_us"), py::arg("arrived_us") = py::none(),
+          "CommandVerdict of a command that reached this host at arrived_us [us] (by default now_us) and is received "
+          "at "
+          "now_us. valid_until_us: its measurement is too old from then on; zeros need none.")
       .def(
           "setpoint",
           [](Base& self, std::int64_t session, std::int64_t counter, bool run, std::int64_t now_us) {

@@ -24,15 +24,17 @@ const char* wire_type(Value StatusReport::*) {
 
 void bind_reports(py::module_& m) {
   py::class_<CommandReport>(m, "CommandReport", "pilotfish.command_t, out and in.")
-      .def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t base_session,
-                       const Twist& command, bool simulated, Status status, Reason reason) {
-             return CommandReport{utime, session, counter, base_session, command, simulated, status, reason};
-           }),
-           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("base_session") = 0,
-           py::arg("command") = Twist{}, py::arg("simulated") = false,
-           py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
-           py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"),
-           "Fields by keyword, as the attributes of the same name.")
+      .def(
+          py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t base_session,
+                      std::int64_t valid_until_us, const Twist& command, bool simulated, Status status, Reason reason) {
+            return CommandReport{utime,   session,   counter, base_session, valid_until_us,
+                                 command, simulated, status,  reason};
+          }),
+          py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("base_session") = 0,
+          py::arg("valid_until_us") = 0, py::arg("command") = Twist{}, py::arg("simulated") = false,
+          py::arg_v("status", Status::searching, "pilotfish.core.Status.searching"),
+          py::arg_v("reason", Reason::none, "pilotfish.core.Reason.none"),
+          "Fields by keyword, as the attributes of the same name.")
       .def_readwrite("utime", &CommandReport::utime,
                      "exposure [us] of the image it answers; of the last one, when none came")
       .def_readwrite("session", &CommandReport::session,
@@ -40,6 +42,8 @@ void bind_reports(py::module_& m) {
       .def_readwrite("counter", &CommandReport::counter, "one more with every command sent in this session")
       .def_readwrite("base_session", &CommandReport::base_session,
                      "of the wheels' process that the sender has heard; 0: none")
+      .def_readwrite("valid_until_us", &CommandReport::valid_until_us,
+                     "its measurement is too old from then on, by the clock of the wheels' process [us]; 0 for zeros")
       .def_readwrite("command", &CommandReport::command, "Twist for the wheels, in the robot's base frame")
       .def_readwrite("simulated", &CommandReport::simulated, "True: never for real wheels")
       .def_readwrite("status", &CommandReport::status, "Status of the coordinator")
@@ -66,13 +70,13 @@ void bind_reports(py::module_& m) {
       .value("driving", BaseReport::State::driving)
       .value("stopped", BaseReport::State::stopped)
       .value("fault", BaseReport::State::fault);
-  base.def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t accepted_session,
-                       const Twist& command, std::optional<Twist> measured, bool stopped, BaseReport::State state,
-                       std::string text, Counters rejected) {
-             return BaseReport{utime,    session, counter, accepted_session, command,
-                               measured, stopped, state,   std::move(text),  std::move(rejected)};
+  base.def(py::init([](std::int64_t utime, std::int64_t session, std::int64_t counter, std::int64_t monotonic_us,
+                       std::int64_t accepted_session, const Twist& command, std::optional<Twist> measured, bool stopped,
+                       BaseReport::State state, std::string text, Counters rejected) {
+             return BaseReport{utime,    session, counter, monotonic_us,    accepted_session,   command,
+                               measured, stopped, state,   std::move(text), std::move(rejected)};
            }),
-           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0,
+           py::kw_only(), py::arg("utime"), py::arg("session") = 0, py::arg("counter") = 0, py::arg("monotonic_us") = 0,
            py::arg("accepted_session") = 0, py::arg("command") = Twist{}, py::arg("measured") = py::none(),
            py::arg("stopped") = false, py::arg_v("state", BaseReport::State::waiting, "BaseReport.State.waiting"),
            py::arg("text") = "", py::arg("rejected") = Counters{},
@@ -80,6 +84,8 @@ void bind_reports(py::module_& m) {
       .def_readwrite("utime", &BaseReport::utime, "when it was sent [us]")
       .def_readwrite("session", &BaseReport::session, "of the wheels' process; commands name it")
       .def_readwrite("counter", &BaseReport::counter, "one more with every report of this session")
+      .def_readwrite("monotonic_us", &BaseReport::monotonic_us,
+                     "the clock of the wheels' process when it was sent [us]; 0: not known")
       .def_readwrite("accepted_session", &BaseReport::accepted_session,
                      "the session whose commands are accepted; 0: none")
       .def_readwrite("command", &BaseReport::command, "Twist that the wheels are told, after every limit")

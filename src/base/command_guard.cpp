@@ -19,6 +19,7 @@ std::string_view to_string(CommandVerdict verdict) noexcept {
     case CommandVerdict::simulated: return "command_simulated";
     case CommandVerdict::replayed: return "command_replayed";
     case CommandVerdict::stale: return "command_stale";
+    case CommandVerdict::expired: return "command_expired";
     case CommandVerdict::after_gap: return "command_after_gap";
     case CommandVerdict::session_ended: return "command_session_ended";
     case CommandVerdict::foreign: return "command_foreign";
@@ -45,7 +46,7 @@ void CommandGuard::advance(MonotonicTime now) noexcept {
     last_heard_ = now;
   }
   last_now_ = std::max(last_now_, now);
-  if (command_ && now.us - last_arrival_.us >= life_us) command_.reset();
+  if (command_ && until_ <= now) command_.reset();
   if (accepted_session_ != 0 && now.us - last_heard_.us > microseconds(config_.takeover_s)) {
     silent_ = accepted_session_;
     accepted_session_ = 0;
@@ -56,6 +57,8 @@ CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTi
                                      MonotonicTime now) noexcept {
   advance(now);
   if (command.session == 0 || !is_finite(command.twist)) return CommandVerdict::malformed;
+  const bool moves = !(command.twist == Twist{});
+  if (moves && later(now.us, kLongestValidity_us) < command.valid_until.us) return CommandVerdict::malformed;
   if (command.base_session != own_session_) return CommandVerdict::base_session_wrong;
 
   if (command.counter < 1) return CommandVerdict::replayed;  // they begin at 1
@@ -74,6 +77,8 @@ CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTi
   if (accepted_session_ != 0 && accepted_session_ != command.session) return CommandVerdict::foreign;
   if (accepted_session_ == command.session) last_heard_ = now;
   if (later(arrived.us, microseconds(config_.max_command_age_s)) <= now.us) return CommandVerdict::stale;
+  // The sender checked the age, and then something held it up (a stopped process, a full queue) before this left.
+  if (moves && command.valid_until <= now) return CommandVerdict::expired;
   if (now < gap_until_) return CommandVerdict::after_gap;
   // A sender that was only silent (a process that was stopped for a while) may go on, with counters that still rise.
   // Once another one is active, its session has ended for good.
@@ -81,7 +86,8 @@ CommandVerdict CommandGuard::receive(const ReceivedCommand& command, MonotonicTi
   silent_ = 0;
   accepted_session_ = command.session;
   last_heard_ = now;
-  last_arrival_ = std::min(arrived, now);
+  until_ = {later(std::min(arrived, now).us, microseconds(config_.max_command_age_s))};
+  if (moves) until_ = std::min(until_, command.valid_until);
   command_ = command.twist;
   return CommandVerdict::accepted;
 }
@@ -93,7 +99,7 @@ std::optional<Twist> CommandGuard::command_at(MonotonicTime now) noexcept {
 
 std::optional<MonotonicTime> CommandGuard::deadline() const noexcept {
   if (!command_) return std::nullopt;
-  return MonotonicTime{last_arrival_.us + microseconds(config_.max_command_age_s)};
+  return until_;
 }
 
 std::int64_t CommandGuard::accepted_session(MonotonicTime now) noexcept {

@@ -43,7 +43,7 @@ constexpr double kUnitWithin = 0.01;  // deviation from 1 by single precision an
 
 bool is_sound_command(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
-  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 4 * 8 + 2 * 8 + 3, kMac = 32;
+  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 5 * 8 + 2 * 8 + 3, kMac = 32;
   return reader.skip(kBeforeText) && reader.skip_string() && reader.skip(kMac) && reader.at_end();
 }
 
@@ -67,6 +67,7 @@ command_t encode(const CommandReport& report, std::string_view& repaired) {
   message.session = report.session;
   message.counter = report.counter;
   message.base_session = report.base_session;
+  message.valid_until_us = report.valid_until_us;
   message.simulated = report.simulated;
   message.linear_mps = finite ? report.command.linear_mps : 0.0;
   message.angular_radps = finite ? report.command.angular_radps : 0.0;
@@ -176,8 +177,8 @@ Checked<CommandReport> decode_command(const void* data, std::size_t size_bytes, 
   const Twist twist{message.linear_mps, message.angular_radps};
   if (!is_finite(twist)) return Result::reject("command_not_finite");
   if (!is_plausible(twist) || !is_known(message.status, message.reason)) return Result::reject("command_out_of_bounds");
-  return Result::accept({message.utime, message.session, message.counter, message.base_session, twist,
-                         message.simulated != 0, static_cast<Status>(message.status),
+  return Result::accept({message.utime, message.session, message.counter, message.base_session, message.valid_until_us,
+                         twist, message.simulated != 0, static_cast<Status>(message.status),
                          static_cast<Reason>(message.reason)});
 }
 

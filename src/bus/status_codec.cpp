@@ -71,7 +71,7 @@ bool is_sound_status(const void* data, std::size_t size_bytes) {
 
 bool is_sound_base(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
-  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 4 * 8 + 2 * 8 + (1 + 2 * 8) + 2;
+  constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 5 * 8 + 2 * 8 + (1 + 2 * 8) + 2;
   return reader.skip(kBeforeText) && reader.skip_string(kMaxBaseText) && skip_counters(reader, kMaxBaseCounters) &&
          reader.at_end();
 }
@@ -119,6 +119,7 @@ base_t encode(const BaseReport& report, std::string_view& repaired, std::size_t 
   message.utime = report.utime;
   message.session = report.session;
   message.counter = report.counter;
+  message.monotonic_us = report.monotonic_us;
   message.accepted_session = report.accepted_session;
   message.linear_mps = finite(report.command.linear_mps);
   message.angular_radps = finite(report.command.angular_radps);
@@ -170,12 +171,13 @@ Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes) {
   report.utime = message.utime;
   report.session = message.session;
   report.counter = message.counter;
+  report.monotonic_us = message.monotonic_us;
   report.accepted_session = message.accepted_session;
   report.command = {message.linear_mps, message.angular_radps};
   const Twist measured{message.measured_linear_mps, message.measured_angular_radps};
   if (!is_finite(report.command) || !is_finite(measured)) return Result::reject("base_not_finite");
-  if (!is_plausible(report.command) || !is_plausible(measured) || message.state < 0 ||
-      message.state > base_t::STATE_FAULT)
+  if (!is_plausible(report.command) || !is_plausible(measured) || !is_usable_time(message.monotonic_us) ||
+      message.state < 0 || message.state > base_t::STATE_FAULT)
     return Result::reject("base_out_of_bounds");
   if (message.measured != 0) report.measured = measured;
   report.stopped = message.stopped != 0;

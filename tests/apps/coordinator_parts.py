@@ -22,6 +22,7 @@ class Sent:
     base_session: int
     simulated: bool
     since_answer_us: int
+    valid_after_answer_us: int  # 0: no validity is stated
 
 
 @dataclass
@@ -44,7 +45,7 @@ def play(*lines: str) -> list[tuple[str, object]]:
     for line in done.stdout.splitlines():
         what, *words = line.split()
         if what == "sent":
-            counter, utime, linear, status, reason, session, base, simulated, since = words
+            counter, utime, linear, status, reason, session, base, simulated, since, valid = words
             happened.append(
                 (
                     what,
@@ -58,6 +59,7 @@ def play(*lines: str) -> list[tuple[str, object]]:
                         int(base),
                         simulated == "1",
                         int(since),
+                        int(valid),
                     ),
                 )
             )

@@ -62,12 +62,28 @@ def test_before_the_first_frame_zeros_go_out_with_session_and_rising_counters():
 
 
 def test_a_frame_is_answered_at_once_and_the_answer_held_until_the_next():
-    happened = play(SENDER, answer(55, 0.5), "wait 3", "base 9", "wait 1")
+    happened = play(SENDER, answer(55, 0.5), "wait 3", "base 9 0", "wait 1")
     first, *held = [one for one in only(happened, "sent") if one.utime == 55]
     assert said(first) == (0.5, Status.tracking, Reason.none)
     assert {said(one) for one in held} == {(0.5, Status.coasting, Reason.no_frame)}
     assert only(happened, "answer") == [["0.5", str(TRACKING), "0"]]
     assert (first.base_session, held[-1].base_session) == (0, 9)
+
+
+def test_the_wheels_are_told_how_long_a_moving_command_is_valid():
+    """As long as its measurement, to the microsecond; on this computer's clock as long as there is no base."""
+    sent = after_answer(SENDER, answer(55, 0.5, 62_000), "wait 2")
+    assert {one.valid_after_answer_us for one in sent} == {62_000, 0}
+    for one in sent:
+        assert (one.valid_after_answer_us == 0) == (one.linear_mps == 0.0)
+
+
+@pytest.mark.parametrize("ahead_us", [-3_000_000, 0, 5_000_000])
+def test_the_validity_is_on_the_clock_of_the_wheels_process_and_never_longer_than_the_measurement(ahead_us):
+    """The clock is taken to lose 1 ms a second since it was announced: a little less than 62 ms later, 0 to 62 us."""
+    first, *_ = after_answer(SENDER, f"base 9 {ahead_us}", answer(55, 0.5, 62_000))
+    assert first.base_session == 9
+    assert -5_000 < first.valid_after_answer_us - (62_000 + ahead_us) <= 0
 
 
 @undisturbed

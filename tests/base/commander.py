@@ -30,6 +30,11 @@ def mac(key: bytes, channel: str, message: bytes) -> bytes:
     return out.raw
 
 
+def boot_us() -> int:
+    """The clock of every process on this computer that speaks of commands."""
+    return time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+
+
 class Commander:
     """Speaks and listens as a coordinator does."""
 
@@ -40,6 +45,7 @@ class Commander:
         self.session = random.getrandbits(62) + 1
         self.counter = 0
         self.simulated = False
+        self.valid_ms = 100
         self.heard: list[base_t] = []
         self.poses: list[pose_t] = []
         self.sent: list[bytes] = []
@@ -72,6 +78,7 @@ class Commander:
         message.session, message.counter = self.session, self.counter
         heard = self.heard[-1].session if self.heard else 0
         message.base_session = heard if self.base_session is None else self.base_session
+        message.valid_until_us = boot_us() + self.valid_ms * 1000
         message.linear_mps, message.angular_radps = linear_mps, angular_radps
         message.simulated = self.simulated
         message.status = command_t.STATUS_TRACKING

@@ -31,11 +31,14 @@ class Wheels:
             out = self.base.step(now_us=self.now_us)
         return out
 
-    def command(self, session, counter, twist=DRIVE, *, base_session=OWN, simulated=False, arrived_us=None):
+    def command(
+        self, session, counter, twist=DRIVE, *, base_session=OWN, simulated=False, arrived_us=None, valid_ms=100
+    ):
         return self.base.command(
             session=session,
             counter=counter,
             base_session=base_session,
+            valid_until_us=self.now_us + valid_ms * MS,
             twist=twist,
             simulated=simulated,
             now_us=self.now_us,
@@ -92,6 +95,26 @@ def test_an_arrival_in_the_future_does_not_lengthen_the_life(wheels):
     driven(wheels)
     wheels.command(1, 100, arrived_us=wheels.now_us + 10_000_000)
     assert wheels.base.deadline_us == wheels.now_us + LIFE_US
+
+
+@pytest.mark.parametrize("valid_ms", [0, -1, -172, -100_000_000])
+def test_a_command_that_was_held_up_until_its_measurement_was_too_old_is_refused_and_counted(wheels, valid_ms):
+    driven(wheels)
+    wheels.pass_ms(100)  # as long as its sender stood still
+    assert wheels.command(1, 100, valid_ms=valid_ms) == CommandVerdict.expired
+    assert not wheels.moves()
+    assert wheels.command(1, 101, Twist(), valid_ms=valid_ms) == CommandVerdict.accepted  # zeros are always valid
+    assert wheels.base.rejected == {"command_expired": 1}
+
+
+def test_a_command_ends_with_its_measurement(wheels):
+    driven(wheels)
+    wheels.command(1, 100, valid_ms=40)
+    assert wheels.base.deadline_us == wheels.now_us + 40 * MS
+    wheels.pass_ms(39)
+    assert wheels.moves()
+    wheels.pass_ms(1)
+    assert not wheels.moves()
 
 
 @pytest.mark.parametrize("named", [0, OWN + 1, -OWN])

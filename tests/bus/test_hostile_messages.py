@@ -92,7 +92,7 @@ def test_a_count_that_contradicts_the_messages_length_is_refused_without_allocat
 @pytest.mark.parametrize("length", [0, -1, -(2**31), INT32_MAX, 100])
 def test_a_text_length_that_contradicts_the_messages_length_is_refused(edge, length):
     data = bytearray(valid_command().encode())
-    struct.pack_into(">i", data, 8 + 4 * 8 + 2 * 8 + 3, length)
+    struct.pack_into(">i", data, 8 + 5 * 8 + 2 * 8 + 3, length)
     assert edge.refuses("R1_COMMAND", bytes(data)) == "command_corrupt"
 
 

@@ -36,6 +36,7 @@ def test_a_command_goes_out_as_it_is(link):
         session=2**62 + 1,
         counter=41,
         base_session=7,
+        valid_until_us=2**61 + 3,
         simulated=True,
         command=core.Twist(linear_mps=0.25, angular_radps=-1.5),
         status=core.Status.lost,
@@ -44,6 +45,7 @@ def test_a_command_goes_out_as_it_is(link):
     command = command_t.decode(link.catch("ROBOT1_COMMAND", lambda: link.bus.publish_command("robot1", report)))
     assert (command.utime, command.counter) == (1_700_000_000_123_456, 41)
     assert (command.session, command.base_session, command.simulated) == (2**62 + 1, 7, True)
+    assert command.valid_until_us == 2**61 + 3
     assert command.mac == bytes(32)  # no key
     assert (command.linear_mps, command.angular_radps) == (0.25, -1.5)
     assert (command.status, command.text) == (command_t.STATUS_LOST, "lost: no tag in the picture")
@@ -54,14 +56,14 @@ def test_a_command_comes_in_as_it_is(link):
     link.bus.on_command("robot1", received.append)
     message = command_t()
     message.utime, message.session, message.counter, message.base_session = 77, 2**62 + 1, 5, 9
-    message.simulated = True
+    message.simulated, message.valid_until_us = True, -(2**61)
     message.linear_mps, message.angular_radps = -0.125, 2.0
     message.status, message.reason = command_t.STATUS_COASTING, int(core.Reason.tag_refused)
     message.text, message.mac = "any words", bytes(32)
     link.send("ROBOT1_COMMAND", message.encode())
     (report,) = received
     assert (report.utime, report.session, report.counter, report.base_session) == (77, 2**62 + 1, 5, 9)
-    assert report.simulated
+    assert (report.simulated, report.valid_until_us) == (True, -(2**61))
     assert report.command == core.Twist(linear_mps=-0.125, angular_radps=2.0)
     assert (report.status, report.reason) == (core.Status.coasting, core.Reason.tag_refused)
 

@@ -20,7 +20,7 @@ from PIL import Image
 
 from bench.common import wire
 from pilotfish.lcmtypes.bot_core import image_t, pose_t
-from pilotfish.lcmtypes.pilotfish import command_t, motion_t, setpoint_t
+from pilotfish.lcmtypes.pilotfish import base_t, command_t, motion_t, setpoint_t, status_t
 
 CORPUS = Path(__file__).parent / "corpus"
 
@@ -100,17 +100,25 @@ def images() -> list[bytes]:
 
 
 def messages() -> list[bytes]:
-    setpoint, command, pose, motion = setpoint_t(), command_t(), pose_t(), motion_t()
+    setpoint, command, pose, motion, base, status = (
+        setpoint_t(),
+        command_t(),
+        pose_t(),
+        motion_t(),
+        base_t(),
+        status_t(),
+    )
     setpoint.distance_m, setpoint.run = 1.0, True
     setpoint.mac = command.mac = bytes(32)
     command.linear_mps, command.text = 0.25, "tracking"
     pose.orientation, pose.vel = [1.0, 0.0, 0.0, 0.0], [0.2, 0.0, 0.0]
     motion.linear_mps = 0.2
-    whole = [message.encode() for message in (setpoint, command, pose, motion)]
-    # messages.cpp: 0 to 3 and the whole message, or 128 to 131 and what follows the fingerprint
+    base.text, status.text, status.setpoint_distance_m = "waiting", "tracking", 1.0
+    whole = [message.encode() for message in (setpoint, command, pose, motion, base, status)]
+    # messages.cpp: 0 to 5 and the whole message, or 132 to 137 and what follows the fingerprint
     return [
         *(bytes([k]) + data for k, data in enumerate(whole)),
-        *(bytes([128 + k]) + data[8:] for k, data in enumerate(whole)),
+        *(bytes([132 + k]) + data[8:] for k, data in enumerate(whole)),
         *(bytes([k]) + data[:-1] for k, data in enumerate(whole)),
     ]
 

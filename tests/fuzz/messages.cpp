@@ -1,10 +1,11 @@
-// The first byte says which message the rest is; what gets through is within its bounds. From 128 up, the message's
+// The first byte says which message the rest is; what gets through is within its bounds. From 132 up, the message's
 // fingerprint is put in front, which a fuzzer does not guess.
 #include <cmath>
 
 #include "encoding.hpp"
 #include "fuzz_input.hpp"
 #include "report_codec.hpp"
+#include "status_codec.hpp"
 
 using namespace pilotfish;
 using namespace pilotfish::bus;
@@ -32,8 +33,8 @@ std::vector<std::uint8_t> message_of(const fuzz::FuzzInput& input, bool fingerpr
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::FuzzInput input(data, size);
   const std::uint32_t which = input.number(1);
-  const bool fingerprint = which >= 128;
-  switch (which % 4) {
+  const bool fingerprint = which >= 132;
+  switch (which % 6) {
     case 0: {
       const auto bytes = message_of<setpoint_t>(input, fingerprint);
       if (const auto setpoint = decode_setpoint(bytes.data(), bytes.size(), {}); setpoint.value)
@@ -51,10 +52,24 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (const auto pose = decode_pose(bytes.data(), bytes.size()); pose.value) require_sound(pose.value->twist);
       break;
     }
-    default: {
+    case 3: {
       const auto bytes = message_of<motion_t>(input, fingerprint);
       if (const auto motion = decode_motion(bytes.data(), bytes.size()); motion.value)
         require_sound(motion.value->twist);
+      break;
+    }
+    case 4: {
+      const auto bytes = message_of<base_t>(input, fingerprint);
+      if (const auto base = decode_base(bytes.data(), bytes.size()); base.value) {
+        require_sound(base.value->command);
+        fuzz::require(base.value->monotonic_us >= 0, "the base's clock is a time");
+      }
+      break;
+    }
+    default: {
+      const auto bytes = message_of<status_t>(input, fingerprint);
+      if (const auto status = decode_status(bytes.data(), bytes.size()); status.value)
+        fuzz::require(std::isfinite(status.value->setpoint.distance_m), "a status is finite");
     }
   }
   return 0;

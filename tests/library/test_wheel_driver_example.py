@@ -28,11 +28,12 @@ def has_said(process, within_s):
     return bool(select.select([process.stdout], [], [], within_s)[0])
 
 
-def command(session, counter, linear_mps):
+def command(session, counter, linear_mps, valid_ms=100):
     return bus.CommandReport(
         utime=counter,
         session=session,
         counter=counter,
+        valid_until_us=time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 + valid_ms * 1000,
         command=core.Twist(linear_mps=linear_mps),
         status=core.Status.tracking,
     )

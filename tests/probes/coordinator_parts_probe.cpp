@@ -7,11 +7,12 @@
 //   inbox                                    -> inbox OVERTAKEN FORGOTTEN
 //   sender FRAME_RATE_HZ MAX_AGE_S SIMULATED RECORDS
 //   answer UTIME LINEAR STATUS REASON LIFE_US HOLDING   -> answer LINEAR STATUS REASON; from now on for LIFE_US
-//   again UTIME | setpoint_changed HOLDING RUN STOPS | stop | rival AGO_US | base SESSION | finish REASON
+//   again UTIME | setpoint_changed HOLDING RUN STOPS | stop | rival AGO_US | finish REASON
+//   base SESSION AHEAD_US                    a base of that session announces itself, its clock so much ahead of ours
 //   wait N                                   until N more commands have left by themselves, 5 s at most
 //   counts                                   -> counts SENT MISSED RIVALS LATE STOPS BEATS_RISE
 // and, for every command that leaves,
-//   sent COUNTER UTIME LINEAR STATUS REASON SESSION BASE_SESSION SIMULATED SINCE_ANSWER_US
+//   sent COUNTER UTIME LINEAR STATUS REASON SESSION BASE_SESSION SIMULATED SINCE_ANSWER_US VALID_AFTER_ANSWER_US|0
 //   recorded COUNTER HOLDING RUN STATUS REASON MISSING ASKED_LATER_US
 #include <chrono>
 #include <iostream>
@@ -95,7 +96,8 @@ struct Player {
       ++left;
       out << "sent " << report.counter << ' ' << report.utime << ' ' << report.command.linear_mps << ' '
           << static_cast<int>(report.status) << ' ' << static_cast<int>(report.reason) << ' ' << report.session << ' '
-          << report.base_session << ' ' << report.simulated << ' ' << since_us << '\n';
+          << report.base_session << ' ' << report.simulated << ' ' << since_us << ' '
+          << (report.valid_until_us == 0 ? 0 : report.valid_until_us - answered_at.us) << '\n';
     });
   }
   void answer() {
@@ -166,7 +168,9 @@ struct Player {
     } else if (what == "rival") {
       sender->rival_heard({monotonic_now().us - next<std::int64_t>()});
     } else if (what == "base") {
-      sender->base_heard(next<std::int64_t>());
+      const auto session = next<std::int64_t>();
+      const MonotonicTime now = monotonic_now();
+      sender->base_heard(session, now.us + next<std::int64_t>(), now);
     } else if (what == "finish") {
       sender->finish(static_cast<Reason>(next<int>()));
     } else if (what == "wait") {

@@ -23,6 +23,7 @@ struct CommandReport {
   std::int64_t session = 0;           ///< the sender's (new_session_id()); 0: never accepted
   std::int64_t counter = 0;           ///< one more with every command sent in this session
   std::int64_t base_session = 0;      ///< of the wheels' process, as received by the sender; 0: none
+  std::int64_t valid_until_us = 0;    ///< its measurement is too old from then on, by the base's clock; 0 for zeros
   Twist command;                      ///< Twist for the wheels, in the robot's base frame
   bool simulated = false;             ///< never for real wheels
   Status status = Status::searching;  ///< Status of the coordinator
@@ -48,6 +49,7 @@ struct BaseReport {
   std::int64_t utime = 0;             ///< when it was sent [us]
   std::int64_t session = 0;           ///< of the wheels' process; commands name it
   std::int64_t counter = 0;           ///< one more with every report of this session
+  std::int64_t monotonic_us = 0;      ///< the clock of the wheels' process when it was sent; 0: not known
   std::int64_t accepted_session = 0;  ///< the session whose commands are accepted; 0: none
   Twist command;                      ///< the wheels' command, after all limits
   std::optional<Twist> measured;      ///< Twist measured by the encoders; nothing without them

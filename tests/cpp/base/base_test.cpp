@@ -27,7 +27,9 @@ constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-ReceivedCommand command(std::int64_t counter) { return {5, counter, 9, {0.3, 0.1}, false}; }
+constexpr MonotonicTime kValidUntil{1'100'000};  // 100 ms after the instant at which most tests begin
+
+ReceivedCommand command(std::int64_t counter) { return {5, counter, 9, kValidUntil, {0.3, 0.1}, false}; }
 CommandGuard guard() { return CommandGuard({}, 9, false); }
 
 TEST(CommandGuard, ObeysACommandForItsLifeAndNotAMicrosecondLonger) {
@@ -42,6 +44,47 @@ TEST(CommandGuard, TakesNoCommandThatHasWaitedForItsWholeLife) {
   CommandGuard late = guard(), in_time = guard();
   EXPECT_EQ(late.receive(command(1), {1'000'000}, {1'095'000}), CommandVerdict::stale);
   EXPECT_EQ(in_time.receive(command(1), {1'000'000}, {1'094'999}), CommandVerdict::accepted);
+}
+
+TEST(CommandGuard, EndsACommandWithItsMeasurement) {
+  // The measurement was 70 ms old when the command left: 30 ms are left, whatever its own life.
+  CommandGuard wheels = guard();
+  ReceivedCommand aged = command(1);
+  aged.valid_until = {1'030'000};
+  EXPECT_EQ(wheels.receive(aged, {1'000'000}, {1'000'000}), CommandVerdict::accepted);
+  EXPECT_EQ(*wheels.deadline(), MonotonicTime{1'030'000});
+  EXPECT_TRUE(wheels.command_at({1'029'999}).has_value());
+  EXPECT_FALSE(wheels.command_at({1'030'000}).has_value());
+}
+
+TEST(CommandGuard, TakesNoCommandWhoseMeasurementIsTooOld) {
+  // Held up between the check of its age and its leaving: it has only just arrived.
+  for (const std::int64_t valid_until : {kFirst, std::int64_t{0}, std::int64_t{999'999}, std::int64_t{1'000'000}}) {
+    CommandGuard wheels = guard();
+    ReceivedCommand late = command(1);
+    late.valid_until = {valid_until};
+    EXPECT_EQ(wheels.receive(late, {1'000'000}, {1'000'000}), CommandVerdict::expired) << valid_until;
+    EXPECT_FALSE(wheels.command_at({1'000'000}).has_value());
+  }
+}
+
+TEST(CommandGuard, TakesNoCommandThatClaimsALongerValidityThanAnyMeasurementHas) {
+  // safety.max_age_s is at most 0.25 s: a sender that states more has another clock, and states nothing.
+  for (const std::int64_t valid_until : {1'000'001 + CommandGuard::kLongestValidity_us, kLast}) {
+    CommandGuard wheels = guard();
+    ReceivedCommand wrong = command(1);
+    wrong.valid_until = {valid_until};
+    EXPECT_EQ(wheels.receive(wrong, {1'000'000}, {1'000'000}), CommandVerdict::malformed) << valid_until;
+  }
+}
+
+TEST(CommandGuard, TakesZerosWhateverTheirValidity) {
+  for (const std::int64_t valid_until : {kFirst, std::int64_t{0}, kLast}) {
+    CommandGuard wheels = guard();
+    wheels.receive(command(1), {1'000'000}, {1'000'000});
+    EXPECT_EQ(wheels.receive({5, 2, 9, {valid_until}, {}, false}, {1'010'000}, {1'010'000}), CommandVerdict::accepted);
+    EXPECT_EQ(*wheels.command_at({1'010'000}), Twist{});
+  }
 }
 
 TEST(CommandGuard, TakesNoCommandFromTheBeginningOfTime) {
