@@ -39,7 +39,7 @@ void bind_reports(py::module_& m) {
                      "the sender's, see new_session_id(); 0: it is accepted by nobody")
       .def_readwrite("counter", &CommandReport::counter, "one more with every command sent in this session")
       .def_readwrite("base_session", &CommandReport::base_session,
-                     "of the wheels' process that the sender has heard; 0: none")
+                     "of the wheels' process, as the sender has received it; 0: none")
       .def_readwrite("command", &CommandReport::command, "Twist for the wheels, in the robot's base frame")
       .def_readwrite("simulated", &CommandReport::simulated, "True: never for real wheels")
       .def_readwrite("status", &CommandReport::status, "Status of the coordinator")
@@ -82,7 +82,7 @@ void bind_reports(py::module_& m) {
       .def_readwrite("counter", &BaseReport::counter, "one more with every report of this session")
       .def_readwrite("accepted_session", &BaseReport::accepted_session,
                      "the session whose commands are accepted; 0: none")
-      .def_readwrite("command", &BaseReport::command, "Twist that the wheels are told, after every limit")
+      .def_readwrite("command", &BaseReport::command, "Twist commanded to the wheels, after every limit")
       .def_readwrite("measured", &BaseReport::measured,
                      "Twist that the wheels did, from their encoders; None if nobody measures")
       .def_readwrite("stopped", &BaseReport::stopped, "True while a stop is latched")
