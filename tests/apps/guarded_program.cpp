@@ -1,7 +1,7 @@
-#include "guarded.hpp"
-
 #include <stdexcept>
 #include <string>
+
+#include "guarded.hpp"
 
 int main(int argc, char** argv) {
   return pilotfish::apps::guarded("program", [&] {
