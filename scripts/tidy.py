@@ -3,7 +3,7 @@
 Most of a source's time goes to the headers, so those of a folder take little longer than one of them. A finding names
 the file it is in, for what is generated has no line of its own. Sources that do not compile together (a name in an
 anonymous namespace, say, that two of them have) are seen in parts, down to the single file; what does not compile alone
-is a finding.
+is a finding. What was clean and has not changed since is not looked at again (tidy_memory.py).
 
     tidy.py BUILD_FOLDER SOURCE...     exit status 1 if there is a finding
 """
@@ -21,6 +21,8 @@ from collections import Counter, defaultdict
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 
+from tidy_memory import CleanAnswers
+
 # What these look at is the main file alone, so a source in which they might find something is seen by them once more.
 OF_THE_MAIN_FILE = "-*,misc-unused-using-decls,misc-unused-alias-decls"
 NAMES_SOMETHING_ANEW = re.compile(r"\busing\s+(?:typename\s+)?[\w:]*::\w+\s*;|\bnamespace\s+\w+\s*=")
@@ -30,6 +32,7 @@ IS_A_PROGRAM = re.compile(r"^int main\(", re.MULTILINE)
 OF_A_GROUP = ("-Wno-shadow",)
 DOES_NOT_COMPILE = "[clang-diagnostic-error"
 ROOT = Path(__file__).resolve().parents[1]
+Result = subprocess.CompletedProcess[str]
 
 
 def compiler_options(entry: dict[str, str]) -> tuple[str, ...]:
@@ -77,7 +80,7 @@ class Groups:
         return generated
 
 
-def clang_tidy(database: Path, source: Path, *options: str) -> subprocess.CompletedProcess[str]:
+def clang_tidy(database: Path, source: Path, *options: str) -> Result:
     command = ["clang-tidy", "-p", database, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *options, source]
     return subprocess.run(command, capture_output=True, text=True)
 
@@ -95,6 +98,9 @@ class Run:
     def __init__(self, build: Path, sources: list[Path], jobs: int) -> None:
         self.build = build
         self.groups = Groups(build, sources)
+        scripts = Path(__file__).resolve()
+        rules = [ROOT / ".clang-tidy", scripts, scripts.with_name("tidy_memory.py")]
+        self.clean = CleanAnswers(self.groups.folder / "clean", rules)
         self.pool = ThreadPoolExecutor(jobs)
         self.seen: Counter[Path] = Counter()
         self.failed = False
@@ -106,7 +112,7 @@ class Run:
     def see(self, group: list[Path], name: str) -> None:
         if len(group) > 1:
             generated = self.groups.write(group, name)
-            result = clang_tidy(generated.parent, generated)
+            result = self.look_at(generated.parent, generated, (*self.groups.options[group[0]], *OF_A_GROUP))
             errors = [line for line in result.stdout.splitlines() if DOES_NOT_COMPILE in line]
             if errors:
                 print(f"not one with the rest of its folder, so linted slower: {errors[0]}", flush=True)
@@ -118,11 +124,22 @@ class Run:
                 if NAMES_SOMETHING_ANEW.search(source.read_text()):
                     self.start(self.see_main_file, source)
         else:
-            self.report(clang_tidy(self.build, group[0]))
+            self.report(self.look_at(self.build, group[0], self.groups.options[group[0]]))
         self.seen.update(group)
 
     def see_main_file(self, source: Path) -> None:
-        self.report(clang_tidy(self.build, source, f"--checks={OF_THE_MAIN_FILE}"))
+        options = f"--checks={OF_THE_MAIN_FILE}"
+        self.report(self.look_at(self.build, source, self.groups.options[source], options))
+
+    def look_at(self, database: Path, source: Path, compiler: tuple[str, ...], *options: str) -> Result:
+        """What clang-tidy says, or that it said nothing of the very same files."""
+        key = self.clean.key(compiler, source, *options)
+        if self.clean.knows(key):
+            return subprocess.CompletedProcess([], 0, "", "")
+        result = clang_tidy(database, source, *options)
+        if result.returncode == 0 and not result.stdout:
+            self.clean.remember(key)
+        return result
 
     def report(self, result: subprocess.CompletedProcess[str]) -> None:
         if result.returncode != 0:

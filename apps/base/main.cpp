@@ -7,6 +7,7 @@
 
 #include "driver.hpp"
 #include "exit_codes.hpp"
+#include "guarded.hpp"
 #include "last_words.hpp"
 #include "log.hpp"
 #include "loop.hpp"
@@ -77,7 +78,7 @@ int run(const BaseOptions& options) {
   return kOk;
 }
 
-int guarded(const BaseOptions& options) {
+int run_or_say_why_not(const BaseOptions& options) {
   try {
     return run(options);
   } catch (const ConfigError& error) {
@@ -87,12 +88,8 @@ int guarded(const BaseOptions& options) {
   }
 }
 
-}  // namespace
-}  // namespace pilotfish::apps
-
-int main(int argc, char** argv) {
-  using namespace pilotfish;
-  using namespace pilotfish::apps;
+/// The program, from its command line to its exit code.
+int program(int argc, char** argv) {
   fill_missing_standard_streams();
   const ParsedBaseOptions parsed = parse_base_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
@@ -102,7 +99,15 @@ int main(int argc, char** argv) {
   prepare_last_words();
   Log log({true, true});
   if (parsed.options.quiet) spdlog::set_level(spdlog::level::warn);
-  const int code = guarded(parsed.options);
+  const int code = run_or_say_why_not(parsed.options);
   log.drain();
   std::_Exit(code);  // a thread may be stuck in a blocked terminal or a dead line, and joining it would never end
+}
+
+}  // namespace
+}  // namespace pilotfish::apps
+
+int main(int argc, char** argv) {
+  using namespace pilotfish::apps;
+  return guarded("pilotfish-base", [argc, argv] { return program(argc, argv); });
 }

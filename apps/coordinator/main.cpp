@@ -24,6 +24,7 @@
 #include "command_sender.hpp"
 #include "control_loop.hpp"
 #include "exit_codes.hpp"
+#include "guarded.hpp"
 #include "log.hpp"
 #include "options.hpp"
 #include "pilotfish/blackbox/black_box.hpp"
@@ -241,12 +242,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   return kOk;
 }
 
-}  // namespace
-}  // namespace pilotfish::apps
-
-int main(int argc, char** argv) {
-  using namespace pilotfish;
-  using namespace pilotfish::apps;
+/// The program, from its command line to its exit code.
+int program(int argc, char** argv) {
   fill_missing_standard_streams();
   const ParsedOptions parsed = parse_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
@@ -275,4 +272,12 @@ int main(int argc, char** argv) {
     return fail(kSoftware, error.what());
   }
   return code;
+}
+
+}  // namespace
+}  // namespace pilotfish::apps
+
+int main(int argc, char** argv) {
+  using namespace pilotfish::apps;
+  return guarded("pilotfish-coordinator", [argc, argv] { return program(argc, argv); });
 }

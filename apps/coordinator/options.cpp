@@ -37,9 +37,10 @@ SourceSpec parse_source(const std::string& text) {
   const std::size_t colon = text.find(':');
   const std::string kind = text.substr(0, colon);
   const std::string argument = colon == std::string::npos ? "" : text.substr(colon + 1);
-  if (kind == "lcm") return {Kind::lcm, argument};
-  for (auto [name, value] : {std::pair{"camera", Kind::camera}, std::pair{"video", Kind::video},
-                             std::pair{"images", Kind::images}, std::pair{"log", Kind::log}}) {
+  if (text == "lcm") return {Kind::lcm, ""};
+  for (auto [name, value] :
+       {std::pair{"camera", Kind::camera}, std::pair{"video", Kind::video}, std::pair{"images", Kind::images},
+        std::pair{"log", Kind::log}, std::pair{"lcm", Kind::lcm}}) {
     if (kind != name) continue;
     if (argument.empty()) throw std::invalid_argument("'" + text + "' lacks the part after the colon; use " + kSources);
     if (value == Kind::camera && (argument.size() > 3 || argument.find_first_not_of("0123456789") != std::string::npos))

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "exit_codes.hpp"
+#include "guarded.hpp"
 #include "options.hpp"
 #include "pilotfish/config/scenario_file.hpp"
 #include "pilotfish/core/angles.hpp"
@@ -78,12 +79,8 @@ int run(const SimOptions& options) {
   return kOk;
 }
 
-}  // namespace
-}  // namespace pilotfish::apps
-
-int main(int argc, char** argv) {
-  using namespace pilotfish;
-  using namespace pilotfish::apps;
+/// The program, from its command line to its exit code.
+int program(int argc, char** argv) {
   fill_missing_standard_streams();
   const ParsedSimOptions parsed = parse_sim_options(argc, argv);
   if (parsed.exit_code) return *parsed.exit_code;
@@ -97,4 +94,12 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return fail(kSoftware, error.what());
   }
+}
+
+}  // namespace
+}  // namespace pilotfish::apps
+
+int main(int argc, char** argv) {
+  using namespace pilotfish::apps;
+  return guarded("pilotfish-sim", [argc, argv] { return program(argc, argv); });
 }

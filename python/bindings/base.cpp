@@ -89,11 +89,11 @@ void bind_base(py::module_& m) {
       .value("driving", BaseState::driving)
       .value("stopped", BaseState::stopped)
       .value("fault", BaseState::fault);
-  py::class_<BaseOutput>(m, "BaseOutput", "What the wheels are to be told, and why.")
+  py::class_<BaseOutput>(m, "BaseOutput", "The command for the wheels, and the reason for it.")
       .def_readonly("state", &BaseOutput::state, "BaseState: what the wheels' process is doing")
       .def_readonly("command", &BaseOutput::command, "Twist behind every limit; zero unless driving")
       .def_readonly("accepted_session", &BaseOutput::accepted_session, "0: none");
-  py::class_<Base>(m, "Base", "Everything that decides what the wheels are told; times are on a monotonic clock [us].")
+  py::class_<Base>(m, "Base", "Everything that decides the wheels' command; times are on a monotonic clock [us].")
       .def(py::init<const BaseConfig&, std::int64_t, bool>(), py::arg("config"), py::kw_only(), py::arg("session"),
            py::arg("simulated_allowed"),
            "session: this process's own, drawn at random, never 0; simulated_allowed: these are no real wheels.")
@@ -107,9 +107,8 @@ void bind_base(py::module_& m) {
           },
           py::kw_only(), py::arg("session"), py::arg("counter"), py::arg("base_session"), py::arg("valid_until_us"),
           py::arg("twist"), py::arg("simulated") = false, py::arg("now_us"), py::arg("arrived_us") = py::none(),
-          "CommandVerdict of a command that reached this host at arrived_us [us] (by default now_us) and is received "
-          "at "
-          "now_us. valid_until_us: its measurement is too old from then on; zeros need none.")
+          "CommandVerdict of a command that reached this host at arrived_us [us] (by default now_us) and is handled "
+          "at now_us. valid_until_us: its measurement is too old from then on; zeros need none.")
       .def(
           "setpoint",
           [](Base& self, std::int64_t session, std::int64_t counter, bool run, std::int64_t now_us) {
@@ -146,13 +145,14 @@ void bind_serial(py::module_& m) {
         return py::bytes(std::string(SetPointLine(sequence, {left_radps, right_radps}).text()));
       },
       py::kw_only(), py::arg("sequence"), py::arg("left_radps"), py::arg("right_radps"),
-      "b\"$PFW,<sequence>,<left>,<right>*HH\\r\\n\": the line that tells the wheels their speeds [rad/s], positive: "
+      "b\"$PFW,<sequence>,<left>,<right>*HH\\r\\n\": the line that sets the wheels' speeds [rad/s], positive: "
       "forwards; sent in mrad/s, what is not finite as zero.");
   m.def(
       "first_fault", [](std::uint16_t faults) { return std::string(first_fault(faults)); }, py::arg("faults"),
       "The name of the gravest of a controller's fault bits (ControllerLine.faults); empty: none.");
   py::class_<ControllerLine>(m, "ControllerLine", "What the controller says of the wheels.")
-      .def_readonly("sequence", &ControllerLine::sequence, "of the last good set-point line that the controller heard")
+      .def_readonly("sequence", &ControllerLine::sequence,
+                    "of the last good set-point line that the controller received")
       .def_readonly("faults", &ControllerLine::faults,
                     "bits: 1 watchdog, 2 motor, 4 overcurrent, 8 encoder, 16 supply, 32 emergency stop")
       .def_property_readonly(
@@ -186,7 +186,7 @@ void bind_serial(py::module_& m) {
                                                        {"cut_short", rejected.cut_short}};
           },
           "dict of lines refused: checksum, malformed, too_long, cut_short");
-  py::class_<ControllerLink>(m, "ControllerLink", "Whether the motor controller hears us.")
+  py::class_<ControllerLink>(m, "ControllerLink", "Whether the motor controller receives our lines.")
       .def(py::init<double>(), py::kw_only(), py::arg("timeout_s"),
            "timeout_s [s]: so long an echo proves that the controller listens.")
       .def(
@@ -204,7 +204,7 @@ void bind_serial(py::module_& m) {
 
 PYBIND11_MODULE(base, m) {
   py::module_::import("pilotfish.core");
-  m.doc() = "The wheels' side: whom to obey, what is allowed, what the motor controller hears.";
+  m.doc() = "The wheels' side: which session commands, what is allowed, what the motor controller receives.";
   bind_kinematics(m);
   bind_guards(m);
   bind_base(m);

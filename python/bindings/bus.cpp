@@ -41,7 +41,7 @@ void bind_reports(py::module_& m) {
                      "the sender's, see new_session_id(); 0: it is accepted by nobody")
       .def_readwrite("counter", &CommandReport::counter, "one more with every command sent in this session")
       .def_readwrite("base_session", &CommandReport::base_session,
-                     "of the wheels' process that the sender has heard; 0: none")
+                     "of the wheels' process, as the sender has received it; 0: none")
       .def_readwrite("valid_until_us", &CommandReport::valid_until_us,
                      "its measurement is too old from then on, by the clock of the wheels' process [us]; 0 for zeros")
       .def_readwrite("command", &CommandReport::command, "Twist for the wheels, in the robot's base frame")
@@ -88,7 +88,7 @@ void bind_reports(py::module_& m) {
                      "the clock of the wheels' process when it was sent [us]; 0: not known")
       .def_readwrite("accepted_session", &BaseReport::accepted_session,
                      "the session whose commands are accepted; 0: none")
-      .def_readwrite("command", &BaseReport::command, "Twist that the wheels are told, after every limit")
+      .def_readwrite("command", &BaseReport::command, "Twist commanded to the wheels, after every limit")
       .def_readwrite("measured", &BaseReport::measured,
                      "Twist that the wheels did, from their encoders; None if nobody measures")
       .def_readwrite("stopped", &BaseReport::stopped, "True while a stop is latched")

@@ -24,7 +24,7 @@ void bind_estimator(py::module_& m) {
            "drive: latency and lag of the wheels; limits: acceleration of the drive's ramp. The odometry frame begins "
            "where the robot stands.")
       .def("command", &EgoMotion::command, py::arg("twist"), py::arg("acts_utime"),
-           "From acts_utime [us] on the wheels are told this Twist; commands come in the order in which they act.")
+           "From acts_utime [us] on this Twist commands the wheels; commands come in the order in which they act.")
       .def("measured", &EgoMotion::measured, py::arg("utime"), py::arg("twist"),
            "What odometry says; False if it cannot be used.")
       .def("advance_to", &EgoMotion::advance_to, py::arg("utime"),
@@ -125,7 +125,7 @@ void bind_leader_intent(py::module_& m) {
       .value("suspended", LeaderIntentUse::suspended);
   py::class_<LeaderIntent>(m, "LeaderIntent", "The twist a leader announces of itself, and what it is worth.")
       .def(py::init<const LeaderIntentConfig&>(), py::arg("config") = LeaderIntentConfig{},
-           "config: LeaderIntentConfig. Nothing has been heard yet.")
+           "config: LeaderIntentConfig. No intent has been received yet.")
       .def("update", &LeaderIntent::update, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
       .def(
           "evaluate",
@@ -250,7 +250,7 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<GuardConfig>(m, "GuardConfig", "The distance to the leader that no law may go below.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
-  bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels do what they are told.");
+  bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
       .def_readonly("linear_mps", &VelocityCommand::linear_mps, "forward speed the law wants [m/s]")
@@ -356,7 +356,7 @@ PYBIND11_MODULE(control, m) {
              follower.restart(since_utime);
              raise_law_exception();
            }),
-           py::arg("since_utime"), "Forget the past: from then on the robot is told to stand still.");
+           py::arg("since_utime"), "Forget the past: from then on the robot is commanded to stand still.");
 
   m.def("heading_turn_rate", &heading_turn_rate, py::arg("config"), py::arg("bearing_rad"),
         py::arg("bearing_setpoint_rad"), "Turn rate [rad/s], positive to the left.");

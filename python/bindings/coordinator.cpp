@@ -153,7 +153,7 @@ PYBIND11_MODULE(coordinator, m) {
       .def_readonly("holding", &HeldCommand::holding, "False: the wheels rest, whatever the time")
       .def_readonly("utime", &HeldCommand::utime, "exposure of the last frame that was in order [us]")
       .def_readonly("run", &HeldCommand::run, "the setpoint's")
-      .def_readonly("ever_measured", &HeldCommand::ever_measured, "tells lost from searching")
+      .def_readonly("ever_measured", &HeldCommand::ever_measured, "False: searching rather than lost")
       .def(
           "at",
           [](const HeldCommand& held, std::int64_t now_us, Reason reason) {

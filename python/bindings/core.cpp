@@ -331,7 +331,7 @@ PYBIND11_MODULE(core, m) {
       .def_readonly("reprojection_error_px", &Observation::reprojection_error_px, "RMS over all corners used [px]")
       .def_readonly("ambiguity_ratio", &Observation::ambiguity_ratio,
                     "error of the worse planar solution over the better one's, in standard deviations of the corners, "
-                    "at least 1; near 1 the heading cannot be told from one picture, 1e6 without a second solution")
+                    "at least 1; near 1 the heading is ambiguous in one picture, 1e6 without a second solution")
       .def_readonly("min_decision_margin", &Observation::min_decision_margin,
                     "smallest decision margin of the tags used, in gray levels")
       .def_readonly("found_by", &Observation::found_by, "FoundBy: how the tags were found")

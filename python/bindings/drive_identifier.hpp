@@ -17,7 +17,7 @@ inline void bind_drive_identifier(pybind11::module_& m) {
                     "from the exposure to the moment the command for it reaches the wheels [s]")
       .def_readonly("actuator_lag_s", &DriveEstimate::actuator_lag_s, "time constant of the wheels' speed control [s]")
       .def_readonly("latency_sigma_s", &DriveEstimate::latency_sigma_s,
-                    "standard deviation of its identification [s]; 0.1: the motion so far does not tell")
+                    "standard deviation of its identification [s]; 0.1: not identifiable from the motion so far")
       .def_readonly("actuator_lag_sigma_s", &DriveEstimate::actuator_lag_sigma_s, "standard deviation [s]")
       .def_readonly("differs_from_settings", &DriveEstimate::differs_from_settings,
                     "the evidence against the configured delays is strong");

@@ -38,7 +38,7 @@ void bind_motion(py::module_& m) {
            "drive: DriveConfig; start: Pose2, at rest.")
       .def_property_readonly("state", &Unicycle::state, "UnicycleState: pose and real twist now")
       .def_property_readonly("set_value", &Unicycle::set_value, "the driver's ramp behind which the wheels lag")
-      .def("advance", &Unicycle::advance, "Obeys one constant command for duration_s [s].", py::arg("command"),
+      .def("advance", &Unicycle::advance, "Executes one constant command for duration_s [s].", py::arg("command"),
            py::arg("duration_s"), py::call_guard<py::gil_scoped_release>());
 }
 
@@ -190,7 +190,7 @@ void bind_world(py::module_& m) {
                              "present time on the frames' clock [us]: START_UTIME at the start")
       .def_property_readonly("frame_index", exclusive(&World::frame_index),
                              "number of the exposure that belongs to the present time: round(time_s * frame_rate_hz)")
-      .def("command", exclusive(&World::command), "What the robot is told from effective_time_s on; False if refused.",
+      .def("command", exclusive(&World::command), "Command in effect from effective_time_s on; False if refused.",
            py::arg("robot"), py::arg("twist"), py::arg("effective_time_s"))
       .def("advance_to", exclusive_unlocked(&World::advance_to), py::arg("time_s"),
            "Moves everybody on to time_s [s]. A time in the past changes nothing.")

@@ -117,7 +117,7 @@ PYBIND11_MODULE(vision, m) {
           "RMS over all corners [px], in the picture as it is (distorted)")
       .def_readonly("ambiguity_ratio", &LeaderPose::ambiguity_ratio,
                     "error of the worse planar solution over the better one's, in standard deviations of the corners, "
-                    "at least 1; near 1 the heading cannot be told from one picture, 1e6 without a second solution")
+                    "at least 1; near 1 the heading is ambiguous in one picture, 1e6 without a second solution")
       .def_property_readonly(
           "covariance", [](const LeaderPose& pose) { return to_array(pose.best.covariance); },
           "(6, 6) of the twist (v, w) in the camera frame that acts on cMo from the left");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "image_codec.hpp"
+#include "lcm_url.hpp"
 #include "liblcm_incoming.hpp"
 #include "multicast.hpp"
 #include "pilotfish/core/robot_name.hpp"
@@ -162,6 +163,7 @@ struct Bus::Connection {
 
 Bus::Bus(const std::string& url) : connection_(std::make_unique<Connection>()) {
   connection_->url = url_or_default(url);
+  check_lcm_url(connection_->url);
   const auto multicast = parse_multicast_url(connection_->url);
   if (multicast) connection_->receive_buffer_bytes = check_multicast(*multicast);
   connection_->lcm.reset(lcm_create(connection_->url.c_str()));

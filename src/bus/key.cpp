@@ -69,11 +69,13 @@ Key load_key(const std::string& path) {
   const std::string_view rest(text.data() + kHexDigits, length >= kHexDigits ? length - kHexDigits : 0);
   const bool good = is_hex && read_bytes == bytes.size() && end == text.data() + kHexDigits &&
                     (rest.empty() || rest == "\n" || rest == "\r\n");
+  const bool zeros = sodium_is_zero(bytes.data(), bytes.size()) == 1;
   const Key key(bytes);
   sodium_memzero(text.data(), text.size());
   sodium_memzero(bytes.data(), bytes.size());
   if (!good)
     refuse(path, "must hold " + std::to_string(kHexDigits) + " hex digits and nothing else (pilotfish key new)");
+  if (zeros) refuse(path, "holds zeros only, which anyone can guess; make a key with pilotfish key new");
   return key;
 }
 

@@ -23,9 +23,9 @@ YAML::Node node_at(const YAML::Node& root, const std::string& key) {
   return dot == std::string::npos || !first.IsDefined() || !first.IsMap() ? first : node_at(first, key.substr(dot + 1));
 }
 
-YAML::Node parsed(const std::string& text, const std::string& name) {
-  YAML::Node root = parse_yaml(text, "file", name);
-  if (!root.IsMap()) throw ConfigError("file", name + " is not a YAML mapping (key: value)");
+YAML::Node parsed(const std::string& text, const std::string& name, const std::string& key = "file") {
+  YAML::Node root = parse_yaml(text, key, name);
+  if (!root.IsMap()) throw ConfigError(key, name + " is not a YAML mapping (key: value)");
   return root;
 }
 
@@ -79,8 +79,9 @@ void apply(const ConfigOverrides& overrides, control::FollowerConfig& config) {
   if (overrides.law) control::set_active_law(config, *overrides.law);
   if (overrides.profile) config.profile = control::profile_from(*overrides.profile);
   if (!overrides.tuning) return;
-  load_tuning(*overrides.tuning, config);
-  check_tuning_is_used(parsed(read_text_file(*overrides.tuning, kTuningOption).text, *overrides.tuning), config);
+  const TextFile file = read_text_file(*overrides.tuning, kTuningOption);
+  parse_tuning(file, config);
+  check_tuning_is_used(parsed(file.text, *overrides.tuning, kTuningOption), config);
 }
 
 void apply(const ConfigOverrides& overrides, CoordinatorFile& file) { apply(overrides, file.coordinator.control); }

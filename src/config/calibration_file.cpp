@@ -33,6 +33,20 @@ void check_matrix(const std::vector<double>& matrix, const YamlSection& section)
   must_be(8, 1.0, "the last element");
 }
 
+/// The numbers of a matrix that OpenCV or ROS has written: the size that stands beside them is theirs. Neither has
+/// more than 14 of distortion.
+std::vector<double> matrix_numbers(YamlSection matrix) {
+  constexpr int kLongest = 14;
+  std::vector<double> numbers = matrix.numbers("data");
+  if (!matrix.has("rows") && !matrix.has("cols")) return numbers;
+  const int rows = matrix.integer("rows", 0, kLongest), columns = matrix.integer("cols", 0, kLongest);
+  if (static_cast<std::size_t>(rows * columns) != numbers.size())
+    throw matrix.error("data", "holds " + std::to_string(numbers.size()) + " numbers, not the " +
+                                   std::to_string(rows * columns) + " of rows: " + std::to_string(rows) +
+                                   " and cols: " + std::to_string(columns));
+  return numbers;
+}
+
 /// OpenCV's calibration sample and ROS's camera_info share these keys; the many others they hold are theirs.
 CameraModel from_opencv(const std::string& text, const std::filesystem::path& file) {
   const YAML::Node root = parse_yaml(without_directives(text), "calibration", file);
@@ -44,13 +58,13 @@ CameraModel from_opencv(const std::string& text, const std::filesystem::path& fi
   if (section.has("distortion_model") && section.text("distortion_model") != "plumb_bob")
     throw section.error("distortion_model",
                         "'" + section.text("distortion_model") + "' is not supported; plumb_bob is");
-  const std::vector<double> matrix = section.section("camera_matrix").numbers("data");
+  const std::vector<double> matrix = matrix_numbers(section.section("camera_matrix"));
   check_matrix(matrix, section);
   camera.fx = matrix[0];
   camera.cx = matrix[2];
   camera.fy = matrix[4];
   camera.cy = matrix[5];
-  const std::vector<double> distortion = section.section("distortion_coefficients").numbers("data");
+  const std::vector<double> distortion = matrix_numbers(section.section("distortion_coefficients"));
   for (std::size_t i = 5; i < distortion.size(); ++i)
     if (distortion[i] != 0.0)
       throw section.error("distortion_coefficients",

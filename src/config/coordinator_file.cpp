@@ -27,12 +27,19 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   root.finish();
 }
 
+constexpr double kMinFrameRate_hz = 1.0, kMaxFrameRate_hz = 1000.0;
+
 /// With a camera slower than measurements expire the robot stops in between: it needs a longer max_age_s, at less
-/// speed.
+/// speed. An age that is too short for any camera is the one at fault.
 void check_frame_rate(const YamlSection& root, const CoordinatorFile& file) {
   const double max_age_s = file.coordinator.safety.max_age_s;
   if (file.frame_rate_hz * max_age_s >= kMinFramesPerMaxAge * (1.0 - 1e-9)) return;
   std::ostringstream problem;
+  if (kMaxFrameRate_hz * max_age_s < kMinFramesPerMaxAge) {
+    problem << max_age_s << " is too short: with frame_rate_hz " << file.frame_rate_hz << " at least "
+            << kMinFramesPerMaxAge / file.frame_rate_hz << " s are needed, and at most 0.25 are allowed";
+    throw root.error("safety.max_age_s", problem.str());
+  }
   problem << file.frame_rate_hz << " is too slow: with safety.max_age_s " << max_age_s << " at least "
           << kMinFramesPerMaxAge / max_age_s << " Hz are needed. A slow camera may ask for safety.max_age_s up to 0.25 "
           << "together with control.limits.max_linear_mps and max_reverse_mps of at most " << kMaxBlindTravel_m
@@ -86,7 +93,8 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   if (root.optional("law")) control::set_active_law(config.control, root.text("law"));
   if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
-  if (root.optional("frame_rate_hz")) file.frame_rate_hz = root.number("frame_rate_hz", 1.0, 1000.0);
+  if (root.optional("frame_rate_hz"))
+    file.frame_rate_hz = root.number("frame_rate_hz", kMinFrameRate_hz, kMaxFrameRate_hz);
   config.control.velocity.control_period_s = 1.0 / file.frame_rate_hz;
 
   read_camera(root.section("camera"), config);

@@ -134,10 +134,8 @@ void read_rules(const FllBlock& block, Controller& controller) {
 
 }  // namespace
 
-Controller read_fll(const std::string& text, const std::filesystem::path& file) {
-  const auto missing = [&file](const std::string& what) {
-    return ConfigError("file", what + " (in " + file.string() + ")");
-  };
+Controller read_fll(const std::string& text, const std::filesystem::path& file, const std::string& key) {
+  const auto missing = [&](const std::string& what) { return ConfigError(key, what + " (in " + file.string() + ")"); };
   Controller controller;
   std::vector<LinguisticVariable*> inputs = {&controller.error_change, &controller.error};  // the next one is last
   std::vector<LinguisticVariable*> outputs = {&controller.output};

@@ -108,7 +108,7 @@ Controller load_fuzzy_controller(const std::filesystem::path& path) {
 Controller parse_fuzzy_controller(const TextFile& file) {
   Controller controller;
   if (file.path.extension() == ".fll") {
-    controller = read_fll(file.text, file.path);
+    controller = read_fll(file.text, file.path, file.key);
   } else {
     YamlSection root = YamlSection::parse(file);
     controller = read_yaml(root);

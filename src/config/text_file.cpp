@@ -43,7 +43,7 @@ TextFile read_text_file(const std::filesystem::path& path, const std::string& ke
   FileRead read = read_file(path, kMaxTextBytes);
   if (!read.bytes) throw ConfigError(key, read.problem);
   check_utf8(*read.bytes, key, path);
-  return {path, std::move(*read.bytes)};
+  return {path, std::move(*read.bytes), key};
 }
 
 }  // namespace pilotfish::config

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "pilotfish/core/number.hpp"
@@ -11,10 +12,25 @@ namespace {
 
 constexpr const char* kRadians = "_rad";
 
-/// Decimal, the whole of it ("640abc" is none, and 010 is ten), or one of YAML's words for infinity and NaN.
-double as_number(const YAML::Node& node, const ConfigError& wrong_type) {
+std::string shown(const YAML::Node& node) {
+  if (node.IsNull()) return "nothing";
+  return node.IsScalar() ? "'" + node.Scalar() + "'" : (node.IsSequence() ? "a list" : "a mapping");
+}
+
+/// "010": eight to a reader of YAML 1.1, ten to one of YAML 1.2.
+bool may_be_octal(std::string_view text) {
+  if (!text.empty() && (text[0] == '+' || text[0] == '-')) text.remove_prefix(1);
+  return text.size() > 1 && text[0] == '0' && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+constexpr const char* kMayBeOctal = " may be meant as octal; write the decimal number without zeros in front";
+
+/// Decimal, the whole of it ("640abc" is none), or one of YAML's words for infinity and NaN.
+double as_number(const YAML::Node& node, const YamlSection& section, const std::string& key) {
+  const ConfigError wrong_type = section.error(key, shown(node) + " is not a number");
   if (!node.IsScalar()) throw wrong_type;
   const std::string& text = node.Scalar();
+  if (may_be_octal(text)) throw section.error(key, shown(node) + kMayBeOctal);
   if (const auto value = number_from<double>(text)) return *value;
   const bool negative = !text.empty() && text[0] == '-';
   const std::string word = text.substr(!text.empty() && (negative || text[0] == '+') ? 1 : 0);
@@ -30,16 +46,11 @@ std::string radians_key(const std::string& key) {
   return in_degrees ? key.substr(0, key.size() - 3) + "rad" : std::string();
 }
 
-std::string shown(const YAML::Node& node) {
-  if (node.IsNull()) return "nothing";
-  return node.IsScalar() ? "'" + node.Scalar() + "'" : (node.IsSequence() ? "a list" : "a mapping");
-}
-
 }  // namespace
 
 YamlSection YamlSection::parse(const TextFile& file) {
-  const YAML::Node root = parse_yaml(file.text, "file", file.path);
-  if (!root.IsMap()) throw ConfigError("file", file.path.string() + " is not a YAML mapping (key: value)");
+  const YAML::Node root = parse_yaml(file.text, file.key, file.path);
+  if (!root.IsMap()) throw ConfigError(file.key, file.path.string() + " is not a YAML mapping (key: value)");
   return {root, "", file.path};
 }
 
@@ -82,7 +93,7 @@ YAML::Node YamlSection::require(const std::string& key) {
 
 double YamlSection::number(const std::string& key, double min, double max) {
   const YAML::Node node = require(key);
-  const double value = as_number(node, error(key, shown(node) + " is not a number"));
+  const double value = as_number(node, *this, key);
   if (const auto problem = outside(value, min, max)) throw error(key, *problem);
   return value;
 }
@@ -96,6 +107,7 @@ double YamlSection::angle(const std::string& key_rad, double min_rad, double max
 
 int YamlSection::integer(const std::string& key, int min, int max) {
   const YAML::Node node = require(key);
+  if (node.IsScalar() && may_be_octal(node.Scalar())) throw error(key, shown(node) + kMayBeOctal);
   const auto value = node.IsScalar() ? number_from<int>(node.Scalar()) : std::nullopt;
   if (!value) throw error(key, shown(node) + " is not a whole number");
   if (const auto problem = outside(*value, min, max)) throw error(key, *problem);
@@ -119,8 +131,7 @@ std::vector<double> YamlSection::numbers(const std::string& key) {
   const YAML::Node node = require(key);
   if (!node.IsSequence()) throw error(key, shown(node) + " is not a list of numbers");
   std::vector<double> values;
-  for (const YAML::Node& element : node)
-    values.push_back(as_number(element, error(key, shown(element) + " is not a number")));
+  for (const YAML::Node& element : node) values.push_back(as_number(element, *this, key));
   return values;
 }
 

@@ -32,6 +32,17 @@ const BodyTag* LeaderBody::find(int id) const {
   return found == tags.end() ? nullptr : &*found;
 }
 
+namespace {
+
+/// Two prints cannot hang in one place and look the same way, whatever their sizes and however they are turned.
+bool in_one_place(const BodyTag& one, const BodyTag& other) {
+  constexpr double kSameDirection = 1.0 - 1e-12;  // of the cosine: 1e-6 rad
+  const auto into_the_wall = [](const BodyTag& tag) -> Eigen::Vector3d { return body_from_tag(tag).linear().col(2); };
+  return one.position_m == other.position_m && into_the_wall(one).dot(into_the_wall(other)) > kSameDirection;
+}
+
+}  // namespace
+
 void LeaderBody::validate() const {
   if (tags.empty()) throw ConfigError("leader.tags", "a leader needs at least one tag");
   if (tags.size() > kMaxTagsOnBody)
@@ -43,6 +54,11 @@ void LeaderBody::validate() const {
     check_ranges(tags[i], section);
     if (!ids.insert(tags[i].id).second)
       throw ConfigError(section + ".id", std::to_string(tags[i].id) + " is used twice; ids on one body must differ");
+    for (std::size_t other = 0; other < i; ++other)
+      if (in_one_place(tags[other], tags[i]))
+        throw ConfigError(section + ".position_m", "tag " + std::to_string(tags[i].id) + " is where tag " +
+                                                       std::to_string(tags[other].id) +
+                                                       " is, and looks the same way; one of the two is elsewhere");
   }
 }
 

@@ -162,7 +162,7 @@ def test_jpegs_as_they_came_are_seen_again_bit_for_bit(tmp_path):
     run.close()
     report = replay(events_in(tmp_path), from_pixels=True)
     assert report.first_difference is None
-    assert (report.frames, report.sights, report.observations_unchecked) == (25, 25, 0)
+    assert (report.frames, report.observations, report.observations_unchecked) == (25, 25, 0)
     assert 0 < report.measured <= 20
 
 
@@ -179,7 +179,7 @@ def test_a_picture_that_was_searched_coarsely_is_searched_coarsely_again(tmp_pat
     steps = [step_t.decode(event.data) for event in events_in(tmp_path) if event.channel.endswith("_STEP")]
     assert [bool(step.coarse_search) for step in steps] == [True] * 3 + [False] * 3
     report = replay(events_in(tmp_path), from_pixels=True)
-    assert report.first_difference is None and report.sights == 6
+    assert report.first_difference is None and report.observations == 6
 
 
 def test_copies_for_people_are_not_taken_for_what_was_seen(tmp_path):
@@ -190,7 +190,7 @@ def test_copies_for_people_are_not_taken_for_what_was_seen(tmp_path):
     run.close()
     assert sum(event.channel == "ROBOT1_IMAGE" for event in events_in(tmp_path)) >= 1
     report = replay(events_in(tmp_path), from_pixels=True)
-    assert report.first_difference is None and report.sights == 0 and report.commands == 5
+    assert report.first_difference is None and report.observations == 0 and report.commands == 5
 
 
 def test_pixels_that_were_not_recorded_are_not_said_to_agree(tmp_path):

@@ -52,6 +52,12 @@ def test_a_key_file_that_holds_anything_else_is_refused(tmp_path, text):
         bus.load_key(write_key(tmp_path / "key", text))
 
 
+def test_a_key_of_zeros_is_refused_because_anyone_would_guess_it(tmp_path):
+    with pytest.raises(ValueError, match=r"key_file: .*key holds zeros only, .*; make a key with pilotfish key new"):
+        bus.load_key(write_key(tmp_path / "key", "0" * 64))
+    bus.load_key(write_key(tmp_path / "other", "0" * 63 + "1"))
+
+
 @pytest.mark.parametrize("mode", [0o640, 0o604, 0o644, 0o620, 0o601])
 def test_a_key_file_that_others_may_use_is_refused_saying_what_to_do(tmp_path, mode):
     with pytest.raises(ValueError, match=r"key_file: .*chmod 600"):

@@ -1,11 +1,15 @@
 """A network that does not work must say so, and what to do: quickly, and before anything waits for it."""
 
+import contextlib
 import os
 import re
 import shutil
+import socket
+import struct
 import subprocess
 import sys
 import textwrap
+import threading
 
 import pytest
 
@@ -48,13 +52,50 @@ def open_elsewhere(url, wrapper=(), **environment):
         ("udpm://239.255.76.67:7667?tll=1", "unknown option 'tll'; known: ttl, recv_buf_size"),
         ("udpm://239.255.76.67:7667?ttl=x", "has no valid ttl"),
         ("udpm://239.255.76.67:7667?ttl=0&recv_buf_size=", "has no valid recv_buf_size"),
-        ("nonsense", "liblcm cannot open nonsense"),
-        ("carrier-pigeon://roof", "liblcm cannot open carrier-pigeon://roof"),
+        ("nonsense", "the LCM URL nonsense does not begin with a provider"),
+        ("carrier-pigeon://roof", "known: udpm, mpudpm, memq, tcpq, file"),
+        ("udp://x", "the LCM URL udp://x does not begin with a provider of liblcm, as in udpm://239.255.76.67:7667"),
+        (
+            "tcpq://localhost:1",
+            "no LCM server answers at localhost:1, which tcpq://localhost:1 names: Connection refus",
+        ),
+        ("tcpq://nowhere.invalid:7700", "no LCM server answers at nowhere.invalid:7700"),
+        ("tcpq://localhost:seven", "no LCM server answers at localhost:seven"),
+        ("file:///nowhere/run.log?mode=r", "liblcm cannot open file:///nowhere/run.log"),
     ],
 )
 def test_an_impossible_url_is_refused_with_its_reason(url, says):
     with pytest.raises(bus.BusError, match=re.escape(says)):
         bus.Bus(url)
+
+
+def test_a_server_that_listens_is_accepted():
+    """It greets as LCM's TCPService does: a magic number and a version, to whoever connects."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        server.settimeout(60)
+
+        def greet():
+            connections = []
+            for _ in range(2):  # the check's, and liblcm's own
+                connections.append(server.accept()[0])
+                with contextlib.suppress(OSError):  # the check has gone
+                    connections[-1].sendall(struct.pack(">II", 0x287617FB, 0x0100))
+            connections[-1].recv(8)
+            for each in connections:
+                each.close()
+
+        greeting = threading.Thread(target=greet, daemon=True)
+        greeting.start()
+        url = f"tcpq://127.0.0.1:{server.getsockname()[1]}"
+        assert bus.Bus(url).url == url
+        greeting.join(60)
+
+
+def test_an_unknown_url_is_refused_in_one_message(capfd):
+    """liblcm would print one of its own."""
+    with pytest.raises(bus.BusError):
+        bus.Bus("udp://x")
+    assert capfd.readouterr().err == ""
 
 
 def test_the_url_comes_from_the_environment_if_none_is_given(url, monkeypatch):

@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 from installed import examples, prefix
 
-from build_tree import ROOT, run
+from build_tree import ROOT, one_at_a_time, run
 from pilotfish import data
 
 CONSUMER = Path(__file__).parent / "consumer"
@@ -54,13 +55,17 @@ def test_a_component_that_is_not_there_is_named_beside_those_that_are(tmp_path):
 
 
 def test_the_source_tree_as_a_part_of_another_project_builds_what_that_asks_for_and_installs_nothing(tmp_path):
-    done = configure(
-        CONSUMER, tmp_path, f"-DPILOTFISH_SOURCE={ROOT}", "-DCOMPONENTS=fuzzy", "-DPILOTFISH_COMPONENTS=fuzzy"
-    )
-    assert done.returncode == 0, done.stderr
-    run("cmake", "--build", tmp_path)
-    assert run(tmp_path / "consumer") == "0.50\n"
-    run("cmake", "--install", tmp_path, "--prefix", tmp_path / "prefix")
+    # New each time, and always at one place: the same commands as last time are what ccache knows.
+    build = ROOT / "build" / "part-of-another-project"
+    with one_at_a_time(build.with_name(f"{build.name}.lock")):
+        shutil.rmtree(build, ignore_errors=True)
+        done = configure(
+            CONSUMER, build, f"-DPILOTFISH_SOURCE={ROOT}", "-DCOMPONENTS=fuzzy", "-DPILOTFISH_COMPONENTS=fuzzy"
+        )
+        assert done.returncode == 0, done.stderr
+        run("cmake", "--build", build)
+        assert run(build / "consumer") == "0.50\n"
+        run("cmake", "--install", build, "--prefix", tmp_path / "prefix")
     assert not list((tmp_path / "prefix").rglob("*.hpp"))
 
 

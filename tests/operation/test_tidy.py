@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 from collections import Counter
@@ -30,10 +32,10 @@ class Tree:
         self.sources.append(path)
         return path
 
-    def tidy(self) -> subprocess.CompletedProcess[str]:
+    def tidy(self, options: str = "") -> subprocess.CompletedProcess[str]:
         build = self.root / "build"
         build.mkdir(exist_ok=True)
-        command = "c++ -std=c++17 -Wall -Werror -o {0}.o -c {0}"
+        command = f"c++ -std=c++17 {options} -Wall -Werror -o {{0}}.o -c {{0}}"
         database = [
             {"directory": str(build), "file": str(path), "command": command.format(path)} for path in self.sources
         ]
@@ -111,3 +113,72 @@ def test_a_source_that_is_not_built_is_refused_by_name(tree: Tree) -> None:
     result = subprocess.run(words, capture_output=True, text=True, timeout=300)
     assert result.returncode == 1
     assert str(stranger) in result.stderr
+
+
+@pytest.fixture
+def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """How often clang-tidy has looked at a source since the last question."""
+    log, real = tmp_path / "calls", shutil.which("clang-tidy")
+    wrapper = tmp_path / "bin/clang-tidy"
+    wrapper.parent.mkdir()
+    wrapper.write_text(f'#!/bin/sh\n[ "$1" = --version ] || echo "$*" >> {log}\nexec {real} "$@"\n')
+    wrapper.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{wrapper.parent}:{os.environ['PATH']}")
+
+    def since() -> int:
+        count = len(log.read_text().splitlines()) if log.exists() else 0
+        log.unlink(missing_ok=True)
+        return count
+
+    return since
+
+
+def test_what_was_clean_and_has_not_changed_is_not_looked_at_again(tree: Tree, calls) -> None:
+    for name in ("first", "second"):
+        tree.source(f"{name}.cpp", f"int {name}() {{ return 1; }}\n")
+    tree.source("other/third.cpp", "namespace a { int b(); }\nusing a::b;\nint third() { return b(); }\n")
+    assert (tree.tidy().returncode, calls()) == (0, 2)  # two folders
+    assert (tree.tidy().returncode, calls()) == (0, 0)
+
+
+@pytest.mark.parametrize("changed", ["source", "header", "header in front", "options"])
+def test_what_changed_in_any_way_is_looked_at_again(tree: Tree, calls, changed: str) -> None:
+    source = tree.source("first.cpp", '#include "shown.hpp"\nint first() { return 1; }\n')
+    header = tree.root / "behind/shown.hpp"
+    header.parent.mkdir()
+    header.write_text("// nothing\n")
+    (tree.root / "front").mkdir()
+    options = f"-I{tree.root}/front -I{tree.root}/behind"
+    for _ in range(2):
+        assert tree.tidy(options).returncode == 0
+    assert calls() == 1
+    finding = "inline " + FINDING.format(name="shown")
+    if changed == "source":
+        source.write_text(source.read_text() + finding)
+    elif changed == "options":
+        options += " -DUNUSED"
+    else:
+        (header if changed == "header" else tree.root / "front/shown.hpp").write_text(finding)
+    tree.tidy(options)
+    assert calls() == 1
+
+
+def test_a_finding_is_found_in_every_run(tree: Tree, calls) -> None:
+    for name in ("first", "second"):
+        tree.source(f"{name}.cpp", FINDING.format(name=name))
+    said = [tree.tidy().stdout for _ in range(2)]
+    assert said[0] == said[1] != ""
+    assert calls() == 2
+
+
+def test_a_public_header_reached_through_the_build_tree_is_looked_at(tree: Tree) -> None:
+    """As src/ reaches them: build/modules/NAME/pilotfish/NAME is a link to include/pilotfish/NAME."""
+    public = tree.root / "include/pilotfish/core"
+    public.mkdir(parents=True)
+    (public / "shown.hpp").write_text("inline " + FINDING.format(name="shown"))
+    link = tree.root / "build/modules/core/pilotfish/core"
+    link.parent.mkdir(parents=True)
+    link.symlink_to(public)
+    tree.source("first.cpp", '#include "pilotfish/core/shown.hpp"\nint first() { return 1; }\n')
+    result = tree.tidy(f"-I{tree.root}/build/modules/core")
+    assert findings(result.stdout) == {(str(link / "shown.hpp"), "modernize-use-nullptr"): 1}

@@ -182,6 +182,13 @@ def test_the_commands_say_what_the_robot_says(url, key_file):
         assert "below its stop distance" in said
 
 
+@pytest.mark.parametrize("bearing_deg", ["200", "-70.5", "nan"])
+def test_a_bearing_out_of_range_is_refused_in_degrees_before_anyone_is_asked(bearing_deg):
+    code, said = run("setpoint", "robot1", "--bearing-deg", bearing_deg, "--lcm-url", "nonsense://")
+    assert code == 64
+    assert f"--bearing-deg: {bearing_deg} is outside [-70, 70]" in said
+
+
 def test_each_mistake_has_its_exit_code(url, key_file):
     assert run("resume", "robot1", "--lcm-url", url, "--within-s", "0.2")[0] == 69
     assert run("stop", "robot1", "--lcm-url", "nonsense://")[0] == 69

@@ -309,7 +309,7 @@ def test_an_observation_is_the_same_bits_every_time_and_carries_the_frames_time(
 @pytest.mark.parametrize(
     ("options", "key"),
     [
-        ({"body": LeaderBody([TAG, BodyTag(id=587)])}, r"leader\.tags\[1\]\.id"),
+        ({"body": LeaderBody([TAG, BodyTag(id=587, position_m=[0, 0.3, 0])])}, r"leader\.tags\[1\]\.id"),
         ({"body": LeaderBody([TAG], family="tag1h1")}, r"leader\.family"),
     ],
 )

@@ -15,8 +15,8 @@ namespace pilotfish::config {
 /// Binary and Gaussian terms of height 1; Minimum, Maximum and Centroid; one rule without hedge, `or` or weight for
 /// each cell. `default` and `lock-previous` may have any value (some rule fires for every input), and so may the
 /// resolution of the centroid, which is exact here. Inputs saturate here, so `lock-range: false` passes only where that
-/// changes nothing. file: for messages.
-fuzzy::Controller read_fll(const std::string& text, const std::filesystem::path& file);
+/// changes nothing. file: for messages; key: what named it, for messages on the whole of it.
+fuzzy::Controller read_fll(const std::string& text, const std::filesystem::path& file, const std::string& key = "file");
 
 /// In FLL, with every digit: read_fll() gives the same controller. Throws ConfigError if a name is no FLL identifier.
 std::string to_fll(const fuzzy::Controller& controller);

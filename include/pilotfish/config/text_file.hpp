@@ -12,12 +12,13 @@ namespace pilotfish::config {
 
 /// The largest configuration, calibration, leader, controller or scenario that is read: some fifty times the largest
 /// that exists, and still read by yaml-cpp (0.2 MB/s) in a second or two.
-inline constexpr std::size_t kMaxTextBytes = 256 * 1024;
+inline constexpr std::size_t kMaxTextBytes = std::size_t{256} * 1024;
 
 /// A text, and where it came from: for messages, and because files it names are relative to it.
 struct TextFile {
   std::filesystem::path path;  ///< where it was read
   std::string text;            ///< its content
+  std::string key = "file";    ///< what named it: a dotted key or an option; for messages on the whole of it
 };
 
 /// Throws ConfigError unless the text is UTF-8: yaml-cpp reads some of what is not for ever.

@@ -24,7 +24,7 @@ YAML::Node parse_yaml(const std::string& text, const std::string& key, const std
 /// an unknown key are all ConfigError with the dotted key. Angles `x_rad` may be written `x_deg`.
 class YamlSection {
  public:
-  /// Throws ConfigError (key "file") if it is not a mapping.
+  /// Throws ConfigError with the key that named the file if it is not a mapping.
   static YamlSection parse(const TextFile& file);
 
   /// `path`: the section's dotted key; `file`: for messages.

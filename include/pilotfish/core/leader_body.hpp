@@ -45,7 +45,7 @@ struct LeaderBody {
   std::vector<BodyTag> tags;        ///< list of BodyTag, a copy
 
   const BodyTag* find(int id) const;  ///< nullptr if the body does not wear that id
-  /// Throws ConfigError: no tag, more than kMaxTagsOnBody, an id twice, a number out of range.
+  /// Throws ConfigError: no tag, more than kMaxTagsOnBody, an id twice, two tags in one place, a bad number.
   void validate() const;
 };
 

@@ -122,11 +122,11 @@ const std::vector<Parameter<Config>>& table() {
 ///
 /// is `double radius_m = 0.05; bool driven = true;` and their rows in the table, in this order.
 #define PILOTFISH_PARAMETERS(Config)                                                                                  \
-  using DescribedConfig = Config;                                                                                     \
+  using DescribedConfig = Config; /* a type takes no parentheses: NOLINTNEXTLINE(bugprone-macro-parentheses) */       \
   static const std::vector<::pilotfish::Parameter<Config>>& parameters() {                                            \
     return ::pilotfish::parameter_detail::table<Config>();                                                            \
   }                                                                                                                   \
-  template <int Line> /* a line without a parameter */                                                                \
+  template <int Line> /* a line without a parameter; a type: NOLINTNEXTLINE(bugprone-macro-parentheses) */            \
   static void add_parameter(std::vector<::pilotfish::Parameter<Config>>&, ::pilotfish::parameter_detail::At<Line>) {} \
   static constexpr int kFirstLine = __LINE__
 

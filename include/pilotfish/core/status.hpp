@@ -21,8 +21,8 @@ enum class Status {
 
 /// What a reason refers to.
 enum class ReasonKind {
-  sight,  ///< the picture, or its absence: coasting, lost or searching
-  input,  ///< the frame, or the program, cannot be used: Status::invalid_input
+  observation,  ///< none, or none of use, in the picture: coasting, lost or searching
+  input,        ///< the frame, or the program, cannot be used: Status::invalid_input
 };
 
 // clang-format off
@@ -30,12 +30,12 @@ enum class ReasonKind {
 /// the checks of what comes in and Python are made from it. The numbers are on the wire and in recordings: new ones go
 /// to the end.
 #define PILOTFISH_REASONS(X)                                                                                          \
-  X(none, sight, "")                                                                                                  \
-  X(no_tag_found, sight, "no tag in the picture")                                                                     \
-  X(no_tag_of_the_leader, sight, "no tag of the leader's body in the picture")                                        \
-  X(tag_refused, sight, "a tag of the leader was refused by a gate")                                                  \
-  X(pose_refused, sight, "the leader's pose is not credible")                                                         \
-  X(no_frame, sight, "no frame arrived in time")                                                                      \
+  X(none, observation, "")                                                                                            \
+  X(no_tag_found, observation, "no tag in the picture")                                                               \
+  X(no_tag_of_the_leader, observation, "no tag of the leader's body in the picture")                                  \
+  X(tag_refused, observation, "a tag of the leader was refused by a gate")                                            \
+  X(pose_refused, observation, "the leader's pose is not credible")                                                   \
+  X(no_frame, observation, "no frame arrived in time")                                                                \
   X(frame_size_not_calibrated, input, "the frame's size is not the calibration's")                                    \
   X(frame_too_small, input, "the frame is too small")                                                                 \
   X(frame_too_large, input, "the frame is too large")                                                                 \
@@ -43,20 +43,20 @@ enum class ReasonKind {
   X(frame_stride_invalid, input, "the frame's stride is shorter than a row")                                          \
   X(frame_time_not_advancing, input, "the frame is not later than the one before")                                    \
   X(frame_stale, input, "the frame was too old when it arrived")                                                      \
-  X(stop_requested, sight, "stop requested")                                                                          \
-  X(law_not_finite, sight, "the law's output was not finite")                                                         \
-  X(tag_duplicate, sight, "a tag of the leader is seen twice")                                                        \
-  X(tag_outside_frame, sight, "a tag of the leader is partly outside the picture")                                    \
-  X(tag_too_small, sight, "a tag of the leader is too small to be read")                                              \
-  X(tag_too_blurred, sight, "a tag of the leader is too blurred")                                                     \
-  X(tag_size_implausible, sight, "a tag of the leader has a size that it cannot have at any range")                   \
-  X(leader_behind_camera, sight, "the leader's pose is behind the camera or shows a tag's back")                      \
-  X(leader_jumped, sight, "the leader is farther from where it was than it can have moved")                           \
+  X(stop_requested, observation, "stop requested")                                                                    \
+  X(law_not_finite, observation, "the law's output was not finite")                                                   \
+  X(tag_duplicate, observation, "a tag of the leader is seen twice")                                                  \
+  X(tag_outside_frame, observation, "a tag of the leader is partly outside the picture")                              \
+  X(tag_too_small, observation, "a tag of the leader is too small to be read")                                        \
+  X(tag_too_blurred, observation, "a tag of the leader is too blurred")                                               \
+  X(tag_size_implausible, observation, "a tag of the leader has a size that it cannot have at any range")             \
+  X(leader_behind_camera, observation, "the leader's pose is behind the camera or shows a tag's back")                \
+  X(leader_jumped, observation, "the leader is farther from where it was than it can have moved")                     \
   X(camera_frozen, input, "the camera shows the same pixels again and again")                                         \
   X(frame_time_implausible, input, "the frame's time does not fit the time that has passed")                          \
   X(another_coordinator, input, "another coordinator sends commands under this name")                                 \
   X(internal_error, input, "the program failed")                                                                      \
-  X(picture_repeated, sight, "the same picture as one before: nothing new is seen")
+  X(picture_repeated, observation, "the same picture as one before: nothing new is seen")
 // clang-format on
 
 /// Why. One reason belongs to each status report; the text is what is logged and published.

@@ -61,7 +61,7 @@ struct RejectionCounters {
     Reason reason;                           ///< that the frame is reported with; Reason::none: one of several
     const char* text;                        ///< what it counts
   };
-#define PILOTFISH_COUNTER(member, name, reason, text) +1
+#define PILOTFISH_COUNTER(member, name, reason, text) +1  // NOLINT(bugprone-macro-parentheses): one of a sum
   static constexpr std::size_t kCount = 0 PILOTFISH_REJECTION_COUNTERS(PILOTFISH_COUNTER);  ///< so many there are
 #undef PILOTFISH_COUNTER
   /// All of them, by name.

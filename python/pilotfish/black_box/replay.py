@@ -56,7 +56,7 @@ class ReplayReport:
     sent: int = 0  # commands that were sent, compared
     sent_unchecked: int = 0  # what they held was decided before the replay begins
     memories: int = 0  # of the core, at a start within a run, compared
-    sights: int = 0  # seen again in recorded JPEGs, compared
+    observations: int = 0  # made again in recorded JPEGs, compared
     observations_unchecked: int = 0
     gaps: int = 0
     skipped: int = 0  # calls behind a gap, before the next start
@@ -72,8 +72,8 @@ def replay(
     from_pixels: bool = False,
     on_progress: Callable[[int, int | None], None] | None = None,
 ) -> ReplayReport:
-    """Every command is recomputed from the recorded calls; with ``from_pixels`` every sight as well, as far as there
-    are the JPEGs that the coordinator saw. ConfigError of the recorded configuration comes out as ValueError."""
+    """Every command is recomputed from the recorded calls; with ``from_pixels`` every observation as well, as far as
+    there are the JPEGs that the coordinator saw. ConfigError of the recorded configuration comes out as ValueError."""
     run = _Run(from_pixels)
     handlers = {"_BOX": run.start, "_STEP": run.step, "_SENT": run.sent}
     for count, event in enumerate(events):
@@ -146,7 +146,7 @@ class _Run:
             self.report.skipped += 1
             return
         try:
-            sight = messages.observation_of(message.measurement[0]) if message.measurement else None
+            observation = messages.observation_of(message.measurement[0]) if message.measurement else None
         except ValueError:  # no pose: the event is damaged
             self.report.unreadable += 1
             self._core = None
@@ -154,7 +154,7 @@ class _Run:
         self._next += 1
         self.report.calls += 1
         if message.kind == step_t.KIND_FRAME:
-            self._frame(event, message, sight)
+            self._frame(event, message, observation)
         else:
             self._other_call(event, message)
         recorded, held = messages.held_of(message.held), self._core.held
@@ -224,15 +224,15 @@ class _Run:
         self._frames_since_start += 1
         result = self._see(message) if self._from_pixels else None
         if result is not None:
-            self.report.sights += 1
+            self.report.observations += 1
             was, now = messages.observation_key(recorded_observation), messages.observation_key(result.observation)
             if was != now:
                 self._differs(
                     event,
                     "what was seen",
                     _inputs(message),
-                    _sight_text(recorded_observation),
-                    _sight_text(result.observation),
+                    _observation_text(recorded_observation),
+                    _observation_text(result.observation),
                 )
         else:
             result = self._core.step_observation(
@@ -308,7 +308,7 @@ def _held_text(held: HeldCommand) -> str:
     return f"{_twist_text(held.command)} of {held.utime} us, from {held.from_us} to {held.until_us} us, {flags}"
 
 
-def _sight_text(observation: core.Observation | None) -> str:
+def _observation_text(observation: core.Observation | None) -> str:
     if observation is None:
         return "nothing"
     o = observation

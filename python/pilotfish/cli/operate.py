@@ -73,6 +73,7 @@ def setpoint(
     with friendly_errors():
         if distance_m is None and bearing_deg is None:
             raise typer.BadParameter("nothing to change: say --distance-m, --bearing-deg or both")
+        _check_bearing(bearing_deg)
         operator = _operator(robot, lcm_url, key)
         bearing_rad = None if bearing_deg is None else math.radians(bearing_deg)
         _say(operator, operator.set_setpoint(distance_m=distance_m, bearing_rad=bearing_rad, within_s=within_s))
@@ -98,6 +99,15 @@ def key_new(
     with friendly_errors():
         new_key(file)
         console.print(f"wrote {file}", soft_wrap=True, markup=False, highlight=False)
+
+
+def _check_bearing(bearing_deg: float | None) -> None:
+    """In the unit in which it was written; the wire and its refusals are in radians."""
+    from pilotfish.core import MAX_BEARING_RAD
+
+    most = math.degrees(MAX_BEARING_RAD)
+    if bearing_deg is not None and not -most <= bearing_deg <= most:
+        raise typer.BadParameter(f"--bearing-deg: {bearing_deg:g} is outside [{-most:g}, {most:g}]")
 
 
 def _operator(robot: str, lcm_url: str, key: Path | None) -> Operator:

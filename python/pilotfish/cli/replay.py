@@ -52,7 +52,7 @@ def replay(
             if program != blackbox.program_description():
                 warn(f"recorded by '{program}', replayed by '{blackbox.program_description()}': bits may differ")
         _show_first(report)
-        unseen = from_pixels and not report.sights
+        unseen = from_pixels and not report.observations
         if unseen:
             warn("no picture could be looked at again: only pictures that come as JPEG are recorded whole")
     if must_agree and (report.differences or not report.commands or unseen):
@@ -74,7 +74,7 @@ def _table(report: ReplayReport, from_pixels: bool) -> Table:
         "damaged places, unreadable events": f"{len(report.damage)}, {report.unreadable}",
     }
     if from_pixels:
-        rows["frames seen again, compared"] = report.sights
+        rows["frames seen again, compared"] = report.observations
         rows["frames without their JPEG"] = report.observations_unchecked
     rows["differences"] = report.differences
     for name, value in rows.items():
