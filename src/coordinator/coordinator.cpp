@@ -6,6 +6,7 @@
 
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/utime.hpp"
+#include "pilotfish/vision/nearest_visible.hpp"
 
 namespace pilotfish {
 namespace {
@@ -56,6 +57,20 @@ void check_blind_travel(const CoordinatorConfig& config) {
   throw ConfigError("safety.max_age_s", problem.str());
 }
 
+/// A guard that is never reached with open eyes protects nobody: the robot would stop blindly before it, or be hit.
+void check_guard(const CoordinatorConfig& config) {
+  const double guard_m = config.control.guard.minimum_distance_m;
+  const double nearest_m = vision::nearest_visible_distance_m(config.camera, config.mounting, config.leader);
+  if (nearest_m <= guard_m) return;
+  std::ostringstream problem;
+  problem << guard_m << " m is nearer than " << nearest_m
+          << " m, the nearest distance at which this camera, where it is "
+          << "mounted, can see a tag of this leader; allowed: " << nearest_m
+          << " to 20 m, or mount the camera and the tags "
+          << "farther apart or at more nearly the same height";
+  throw ConfigError("control.guard.minimum_distance_m", problem.str());
+}
+
 bool is_too_near(const Setpoint& setpoint, double stop_distance_m) { return setpoint.distance_m < stop_distance_m; }
 
 }  // namespace
@@ -71,6 +86,7 @@ Coordinator::Coordinator(const CoordinatorConfig& config)
   check_ranges(config.safety, "safety");
   check_ranges(config.setpoint, "setpoint");
   check_blind_travel(config);
+  check_guard(config);
   if (is_too_near(config.setpoint, stop_distance_m_)) {
     std::ostringstream problem;
     problem << config.setpoint.distance_m << " is below safety.stop_distance_m (" << stop_distance_m_ << ")";

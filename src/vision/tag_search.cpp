@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pilotfish/core/bounded_vector.hpp"
+#include "pilotfish/vision/nearest_visible.hpp"
 #include "tag_warp.hpp"
 
 namespace pilotfish::vision {
@@ -11,7 +12,6 @@ namespace {
 
 constexpr double kLiesWell = 0.8;       ///< a correlation at which the fit converges from here
 constexpr int kMaxSteps = 12;           ///< in each direction
-constexpr double kMinShown = 0.5;       ///< share of the cells that are in the picture
 constexpr std::size_t kMaxCells = 160;  ///< of the largest family, with its rings: 12 x 12 and some
 
 /// The middle of a cell in the picture, and its colour less the mean colour.
@@ -60,7 +60,7 @@ std::optional<Shift> find_shift(const ImageView& image, const CameraModel& camer
     probes.push_back(probe);
     if (probes.full()) break;
   }
-  if (probes.size() < kMinShown * pattern.known.size()) return std::nullopt;
+  if (probes.size() < kMinCellsInside * pattern.known.size()) return std::nullopt;
   mean /= static_cast<float>(probes.size());
   float colour_energy = 0.0F;
   for (Probe& probe : probes) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pilotfish/vision/homography.hpp"
+#include "pilotfish/vision/nearest_visible.hpp"
 #include "tag_reading.hpp"
 #include "tag_search.hpp"
 #include "tag_warp.hpp"
@@ -13,13 +14,12 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr double kMinFacing = 0.2;         ///< cosine of the largest viewing angle at which a tag is tracked
-constexpr double kMinCorrelation = 0.35;   ///< below, the fit is not attempted
-constexpr double kWrongFrameCells = 0.1;   ///< share of the rings that may be dirty
-constexpr double kMaxOutliers = 0.25;      ///< share of the pixels that something else may explain
-constexpr double kMinMargin_px = 1.0;      ///< of the corners from the picture's edge
-constexpr double kMaxUnread = 0.2;         ///< share of the bits that light may hide: 36h11 differs in 11 of 36
-constexpr double kMaxUnreadOutside = 0.4;  ///< the same outside the picture, of a tag that was there just before
+constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not attempted
+constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
+constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
+constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's edge
+constexpr double kMaxUnread = 0.2;        ///< share of the bits that light may hide: 36h11 differs in 11 of 36
+constexpr double kMaxUnreadOutside = 1.0 - kMinBitsInside;  ///< of a tag that was there just before
 
 bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
   return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {

@@ -11,9 +11,11 @@ namespace pilotfish::control {
 /// The distance to the leader that no law may go below.
 struct GuardConfig {
   PILOTFISH_PARAMETERS(GuardConfig);
-  PILOTFISH_PARAMETER(double, minimum_distance_m, 0.4, 0.0, 20.0,
-                      "d_min: whichever law drives, the speed is limited so that the robot can stop at it if the "
-                      "leader stops dead, and reverses from a leader that comes nearer");
+  PILOTFISH_PARAMETER(
+      double, minimum_distance_m, 0.45, 0.0, 20.0,
+      "d_min: whichever law drives, the speed is limited so that the robot can stop at it if the "
+      "leader stops dead, and reverses from a leader that comes nearer; not nearer than the camera sees the "
+      "leader, which is computed at load");
   PILOTFISH_PARAMETER(double, safety_sigmas, 3.0, 0.0, 10.0,
                       "for d_min the distance is reduced by this many standard deviations");
 };
