@@ -53,6 +53,7 @@ def write_configuration(folder: Path, width: int, height: int, focal_px: float) 
     config.write_text(
         "name: robot1\ncamera: {calibration: camera.yaml}\nleader: leader.yaml\n"
         f"fuzzy: {shipped.path('fuzzy/coordination.yaml')}\nsetpoint: {{distance_m: 1.1, bearing_deg: 0}}\n"
+        "control: {guard: {minimum_distance_m: 0.7}}\n"  # the tags lie far from this leader's centre
     )
     return config
 
