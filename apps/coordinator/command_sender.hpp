@@ -64,8 +64,8 @@ class CommandSender {
   std::int64_t stops_received() const;
   /// Another sender commands this robot: zeros from both, until a second after the last of the other's.
   void rival_heard(MonotonicTime now);
-  /// The wheels' process announced itself: its session, and its clock when that left.
-  void base_heard(std::int64_t base_session, std::int64_t base_us, MonotonicTime arrival);
+  /// The wheels' process announced itself: its session, and its clock when that left. It has arrived at `now`.
+  void base_heard(std::int64_t base_session, std::int64_t base_us, MonotonicTime now);
   /// Zeros with that reason, three times because a datagram may be lost, and nothing after them.
   void finish(Reason reason);
 

@@ -35,7 +35,8 @@ void check_channel_name(const std::string& name) {
 }
 
 template <class Message>
-constexpr bool has_mac = std::is_same_v<Message, command_t> || std::is_same_v<Message, setpoint_t>;
+constexpr bool has_mac =
+    std::is_same_v<Message, command_t> || std::is_same_v<Message, setpoint_t> || std::is_same_v<Message, base_t>;
 
 struct Destroy {
   void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }

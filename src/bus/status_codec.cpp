@@ -73,7 +73,7 @@ bool is_sound_base(const void* data, std::size_t size_bytes) {
   WireReader reader(data, size_bytes);
   constexpr std::size_t kBeforeText = 8 /* fingerprint */ + 5 * 8 + 2 * 8 + (1 + 2 * 8) + 2;
   return reader.skip(kBeforeText) && reader.skip_string(kMaxBaseText) && skip_counters(reader, kMaxBaseCounters) &&
-         reader.at_end();
+         reader.skip(sizeof(base_t::mac)) && reader.at_end();
 }
 
 bool all_finite(const StatusReport& report) {
@@ -162,11 +162,12 @@ Checked<StatusReport> decode_status(const void* data, std::size_t size_bytes) {
   return Result::accept(std::move(report));
 }
 
-Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes) {
+Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes, const Authentication& authentication) {
   using Result = Checked<BaseReport>;
   base_t message;
-  if (!is_sound_base(data, size_bytes) || !decode_whole(message, data, size_bytes))
-    return Result::reject("base_corrupt");
+  if (!is_sound_base(data, size_bytes)) return Result::reject("base_corrupt");
+  if (!authentication.is_right(data, size_bytes)) return Result::reject("base_mac_wrong");
+  if (!decode_whole(message, data, size_bytes)) return Result::reject("base_corrupt");
   BaseReport report;
   report.utime = message.utime;
   report.session = message.session;

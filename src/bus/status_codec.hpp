@@ -4,6 +4,7 @@
 #include <pilotfish/base_t.hpp>
 #include <pilotfish/status_t.hpp>
 
+#include "authentication.hpp"
 #include "checked.hpp"
 #include "pilotfish/bus/reports.hpp"
 
@@ -23,8 +24,8 @@ base_t encode(const BaseReport& report, std::string_view& repaired, std::size_t 
 
 /// Rejections: status_corrupt, status_not_finite, status_out_of_bounds (a status or reason that we do not know).
 Checked<StatusReport> decode_status(const void* data, std::size_t size_bytes);
-/// Rejections: base_corrupt, base_not_finite, base_out_of_bounds (velocities no robot of ours has, or an unknown
-/// state).
-Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes);
+/// Rejections: base_corrupt, base_mac_wrong, base_not_finite, base_out_of_bounds (velocities no robot of ours has, an
+/// unknown state, a clock that is none).
+Checked<BaseReport> decode_base(const void* data, std::size_t size_bytes, const Authentication& authentication);
 
 }  // namespace pilotfish::bus

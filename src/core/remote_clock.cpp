@@ -5,10 +5,10 @@
 
 namespace pilotfish {
 
-void RemoteClock::received(std::int64_t session, std::int64_t remote_us, MonotonicTime arrival) noexcept {
+void RemoteClock::received(std::int64_t session, std::int64_t remote_us, MonotonicTime now) noexcept {
   if (session != session_) received_ = 0;
   session_ = session;
-  bounds_[received_++ % kMessages] = {remote_us - arrival.us, arrival};
+  bounds_[received_++ % kMessages] = {remote_us - now.us, now};
 }
 
 std::optional<std::int64_t> RemoteClock::convert(MonotonicTime time) const noexcept {

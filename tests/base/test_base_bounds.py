@@ -8,7 +8,7 @@ import pytest
 from pilotfish import ConfigError, base
 
 BOUNDS = {
-    "rate_hz": (20.0, 200.0),
+    "rate_hz": (30.0, 200.0),
     "commands.max_command_age_s": (0.02, 0.1),  # the rule: never more than 100 ms
     "commands.takeover_s": (0.2, 60.0),
     "serial.timeout_s": (0.05, 5.0),

@@ -65,7 +65,7 @@ BROKEN = [
     ("name: robot1", "name: robot 1", "name: 'robot 1' is not a name"),
     ("driver: dry_run", "driver: motors", "driver: 'motors' is not a driver; choose dry_run, simulator or serial:"),
     ("driver: dry_run", "driver: serial:ttyUSB0", "driver: 'serial:ttyUSB0' is not a driver"),
-    ("rate_hz: 50", "rate_hz: 5", r"rate_hz: 5 is outside \[20, 200\]"),
+    ("rate_hz: 50", "rate_hz: 5", r"rate_hz: 5 is outside \[30, 200\]"),
     ("wheel_radius_m: 0.05", "wheel_radius_m: 0", r"wheels\.wheel_radius_m: 0 is outside"),
     ("track_width_m: 0.30", "track_width_m: .nan", r"wheels\.track_width_m: nan is outside"),
     (

@@ -78,7 +78,7 @@ def valid_status(**changes):
 
 def valid_base(**changes):
     message = base_t()
-    message.text = "waiting"
+    message.text, message.mac = "waiting", bytes(32)
     return with_counters(message, changes)
 
 

@@ -5,12 +5,12 @@ import hmac
 import os
 
 import pytest
-from edge import valid_command, valid_setpoint
+from edge import valid_base, valid_command, valid_setpoint
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pilotfish import bus, core
-from pilotfish.lcmtypes.pilotfish import command_t, setpoint_t
+from pilotfish.lcmtypes.pilotfish import base_t, command_t, setpoint_t
 
 KEY_HEX = "00112233445566778899aabbccddeeff" * 2
 
@@ -89,17 +89,19 @@ def signed(channel, message):
     return message.encode()
 
 
-def test_with_a_key_commands_and_setpoints_go_out_with_a_mac(link, key):
+def test_with_a_key_commands_setpoints_and_the_bases_reports_go_out_with_a_mac(link, key):
     link.bus.set_key(key)
     data = link.catch("R1_COMMAND", lambda: link.bus.publish_command("r1", bus.CommandReport(utime=1, counter=2)))
     assert command_t.decode(data).mac == oracle_mac("R1_COMMAND", data)
     data = link.catch("R1_SETPOINT", lambda: link.bus.publish_setpoint("r1", bus.SetpointReport(utime=1)))
     assert setpoint_t.decode(data).mac == oracle_mac("R1_SETPOINT", data)
+    data = link.catch("R1_BASE", lambda: link.bus.publish_base("r1", bus.BaseReport(utime=1, rejected={"a": 1})))
+    assert base_t.decode(data).mac == oracle_mac("R1_BASE", data)
 
 
 def test_with_a_key_only_what_was_made_with_it_for_this_channel_comes_in(edge, key):
     edge.link.bus.set_key(key)
-    for kind, message in (("command", valid_command()), ("setpoint", valid_setpoint())):
+    for kind, message in (("command", valid_command()), ("setpoint", valid_setpoint()), ("base", valid_base())):
         channel = f"R1_{kind.upper()}"
         edge.accepts(channel, signed(channel, message))
         assert edge.refuses(channel, signed(f"R2_{kind.upper()}", message)) == f"{kind}_mac_wrong"

@@ -109,7 +109,7 @@ def messages() -> list[bytes]:
         status_t(),
     )
     setpoint.distance_m, setpoint.run = 1.0, True
-    setpoint.mac = command.mac = bytes(32)
+    setpoint.mac = command.mac = base.mac = bytes(32)
     command.linear_mps, command.text = 0.25, "tracking"
     pose.orientation, pose.vel = [1.0, 0.0, 0.0, 0.0], [0.2, 0.0, 0.0]
     motion.linear_mps = 0.2

@@ -60,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     case 4: {
       const auto bytes = message_of<base_t>(input, fingerprint);
-      if (const auto base = decode_base(bytes.data(), bytes.size()); base.value) {
+      if (const auto base = decode_base(bytes.data(), bytes.size(), {}); base.value) {
         require_sound(base.value->command);
         fuzz::require(base.value->monotonic_us >= 0, "the base's clock is a time");
       }

@@ -33,7 +33,7 @@ struct SerialConfig {
 /// The wheels' process.
 struct BaseConfig {
   PILOTFISH_PARAMETERS(BaseConfig);
-  PILOTFISH_PARAMETER(double, rate_hz, 50.0, 20.0, 200.0,
+  PILOTFISH_PARAMETER(double, rate_hz, 50.0, 30.0, 200.0,
                       "lines to the wheels and messages on NAME_BASE per second; more go out when something changes");
   PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, start_stopped, false,
                                     "begin with a latched stop: nothing moves until it is resumed");

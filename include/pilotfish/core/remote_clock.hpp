@@ -13,8 +13,9 @@ namespace pilotfish {
 
 /// The monotonic clock of another process, perhaps on another computer, as far as its messages tell.
 ///
-/// A message states the time T at which it was sent, on its sender's clock, and arrives at A on ours. It was on its way
-/// for some time d >= 0, so with the clocks' true difference D
+/// A message states the time T at which it was sent, on its sender's clock, and has arrived at A on ours: the time at
+/// which it is handled, never one from before it was received. It was on its way, or waited, for some time d >= 0, so
+/// with the clocks' true difference D
 ///
 ///     T - A = D - d <= D :
 ///
@@ -26,8 +27,8 @@ class RemoteClock {
   static constexpr double kDrift = 1e-3;
   static constexpr std::size_t kMessages = 32;
 
-  /// `session`: of the other process. Another one has another clock. remote_us: T, in [0, 2^62]; arrival: A.
-  void received(std::int64_t session, std::int64_t remote_us, MonotonicTime arrival) noexcept;
+  /// `session`: of the other process. Another one has another clock. remote_us: T, in [0, 2^62]; now: A.
+  void received(std::int64_t session, std::int64_t remote_us, MonotonicTime now) noexcept;
 
   /// Our `time` on the other's clock [us], or a little before it; nothing until a message was received.
   std::optional<std::int64_t> convert(MonotonicTime time) const noexcept;
