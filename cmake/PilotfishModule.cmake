@@ -14,6 +14,9 @@
 # although all headers lie below one include/ folder, every module gets a folder of its own in the build tree,
 # <build>/modules/<module>/pilotfish/<module>, that links to its headers and nothing else.
 include(PilotfishDependencies)
+set(pilotfish_precompiled_headers <algorithm> <array> <cmath> <cstdint> <cstring> <filesystem> <functional> <map> <memory>
+    <optional> <set> <sstream> <string> <string_view> <utility> <variant> <vector>
+    <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/Cholesky>)
 set(pilotfish_debug_postfix d)  # so that both kinds of build can be installed into one place
 
 function(pilotfish_module module)
@@ -182,6 +185,11 @@ function(pilotfish_add_library module)
     POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX EXPORT_NAME ${module}
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON DEBUG_POSTFIX "${pilotfish_debug_postfix}"
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  if("lcm" IN_LIST PRIVATE)  # its options are others
+    pilotfish_precompile(modules_with_lcm ${target} ${pilotfish_precompiled_headers})
+  elseif(module STREQUAL "core" OR MODULES)  # core has Eigen, and so has what stands on it
+    pilotfish_precompile(modules ${target} ${pilotfish_precompiled_headers})
+  endif()
 endfunction()
 
 # Warnings for our own code only; third-party headers come in as SYSTEM.

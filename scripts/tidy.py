@@ -35,14 +35,21 @@ ROOT = Path(__file__).resolve().parents[1]
 Result = subprocess.CompletedProcess[str]
 
 
+# Headers that GCC has precompiled: clang does not read them, and a source must name what it needs.
+OF_GCC_ALONE = ("-Winvalid-pch", "-fpch-preprocess")
+PRECOMPILED = "cmake_pch.hxx"
+
+
 def compiler_options(entry: dict[str, str]) -> tuple[str, ...]:
-    """What an entry of the compile database says to the compiler, but for what is of this one source."""
+    """What an entry of the compile database says to the compiler, but for what is of one source or of GCC alone."""
     words = iter(shlex.split(entry["command"]))
-    options = []
+    options: list[str] = []
     for word in words:
         if word in ("-o", "-c", "-MT", "-MF"):
             next(words)
-        else:
+        elif word.endswith(PRECOMPILED) and options[-1:] == ["-include"]:
+            options.pop()
+        elif word not in OF_GCC_ALONE:
             options.append(word)
     return (entry["directory"], *options)
 
@@ -73,11 +80,22 @@ class Groups:
             f'#include "{source}"  // NOLINT(bugprone-suspicious-include): what this file is for\n' for source in group
         ]
         generated.write_text("".join(includes))
-        directory, *options = self.options[group[0]]
-        arguments = [*options, *OF_A_GROUP, "-c", str(generated)]
-        database = [{"directory": directory, "file": str(generated), "arguments": arguments}]
-        (folder / "compile_commands.json").write_text(json.dumps(database))
+        self.describe(folder, generated, self.options[group[0]], OF_A_GROUP)
         return generated
+
+    def alone(self, source: Path) -> Path:
+        """The folder of the compile database of one source."""
+        folder = self.folder / "alone" / source.relative_to(source.anchor)
+        folder.mkdir(parents=True, exist_ok=True)
+        self.describe(folder, source, self.options[source])
+        return folder
+
+    @staticmethod
+    def describe(folder: Path, source: Path, options: tuple[str, ...], more: tuple[str, ...] = ()) -> None:
+        directory, *words = options
+        arguments = [*words, *more, "-c", str(source)]
+        database = [{"directory": directory, "file": str(source), "arguments": arguments}]
+        (folder / "compile_commands.json").write_text(json.dumps(database))
 
 
 def clang_tidy(database: Path, source: Path, *options: str) -> Result:
@@ -96,7 +114,6 @@ def parts(group: list[Path], errors: list[str]) -> tuple[list[Path], list[Path]]
 
 class Run:
     def __init__(self, build: Path, sources: list[Path], jobs: int) -> None:
-        self.build = build
         self.groups = Groups(build, sources)
         scripts = Path(__file__).resolve()
         rules = [ROOT / ".clang-tidy", scripts, scripts.with_name("tidy_memory.py")]
@@ -124,12 +141,12 @@ class Run:
                 if NAMES_SOMETHING_ANEW.search(source.read_text()):
                     self.start(self.see_main_file, source)
         else:
-            self.report(self.look_at(self.build, group[0], self.groups.options[group[0]]))
+            self.report(self.look_at(self.groups.alone(group[0]), group[0], self.groups.options[group[0]]))
         self.seen.update(group)
 
     def see_main_file(self, source: Path) -> None:
         options = f"--checks={OF_THE_MAIN_FILE}"
-        self.report(self.look_at(self.build, source, self.groups.options[source], options))
+        self.report(self.look_at(self.groups.alone(source), source, self.groups.options[source], options))
 
     def look_at(self, database: Path, source: Path, compiler: tuple[str, ...], *options: str) -> Result:
         """What clang-tidy says, or that it said nothing of the very same files."""

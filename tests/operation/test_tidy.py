@@ -32,10 +32,10 @@ class Tree:
         self.sources.append(path)
         return path
 
-    def tidy(self, options: str = "") -> subprocess.CompletedProcess[str]:
+    def tidy(self, *options: str) -> subprocess.CompletedProcess[str]:
         build = self.root / "build"
         build.mkdir(exist_ok=True)
-        command = f"c++ -std=c++17 {options} -Wall -Werror -o {{0}}.o -c {{0}}"
+        command = " ".join(["c++ -std=c++17 -Wall -Werror", *options, "-o {0}.o -c {0}"])
         database = [
             {"directory": str(build), "file": str(path), "command": command.format(path)} for path in self.sources
         ]
@@ -101,6 +101,21 @@ def test_a_source_that_does_not_compile_fails_and_hides_nothing_of_the_others(tr
     found = findings(result.stdout)
     assert found[str(broken), "clang-diagnostic-error"] == 1
     assert found[str(other), "modernize-use-nullptr"] == 1
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_source_is_seen_without_the_headers_that_gcc_has_precompiled(tree: Tree, number: int) -> None:
+    header = tree.root / "cmake_pch.hxx"
+    header.write_text("inline int from_the_header() { return 1; }\n")
+    header.with_suffix(".hxx.gch").write_text("nothing that clang reads")
+    for name in ("first", "second")[:number]:  # alone, and in a group
+        tree.source(f"{name}.cpp", f"int {name}() {{ return 1; }}\n")
+    options = ("-Winvalid-pch", "-fpch-preprocess", "-include", str(header))
+    clean = tree.tidy(*options)
+    assert (clean.returncode, clean.stdout) == (0, "")
+    careless = tree.source("careless.cpp", "int careless() { return from_the_header(); }\n")
+    result = tree.tidy(*options)
+    assert findings(result.stdout)[str(careless), "clang-diagnostic-error"] == 1
 
 
 def test_a_source_that_is_not_built_is_refused_by_name(tree: Tree) -> None:
