@@ -1,5 +1,5 @@
 # Headers of others, parsed once for a group of targets with the same options (its level of optimisation, too), and not once for each of
-# their sources: what Eigen, pybind11 or GoogleTest declares took half of the time of a build (docs/decisions/0045).
+# their sources: what Eigen, pybind11 or GoogleTest declares is most of what many sources take to compile (docs/decisions/0045).
 #
 #   pilotfish_precompile(<group> <target> [<header>...])     the group's first target says which headers
 #
