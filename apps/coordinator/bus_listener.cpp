@@ -49,7 +49,7 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
     if (sender_ != nullptr) sender_->rival_heard(monotonic_now());
   });
   bus_.on_base(config_.robot, [this](const bus::BaseReport& base) {
-    if (sender_ != nullptr) sender_->base_heard(base.session, base.monotonic_us, monotonic_now());
+    if (sender_ != nullptr) sender_->base_heard(base.session, base.monotonic_us);
   });
   bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& asked) { hear_setpoint(asked); });
   if (!config_.image_channel.empty())

@@ -142,10 +142,10 @@ void CommandSender::rival_heard(MonotonicTime now) {
     send(holds_at(now, Reason::another_coordinator), image_utime_, now, now, Reason::another_coordinator);
 }
 
-void CommandSender::base_heard(std::int64_t base_session, std::int64_t base_us, MonotonicTime now) {
+void CommandSender::base_heard(std::int64_t base_session, std::int64_t base_us) {
   const std::lock_guard lock(mutex_);
   base_session_ = base_session;
-  if (base_us > 0) base_clock_.received(base_session, base_us, now);
+  if (base_us > 0) base_clock_.received(base_session, base_us, monotonic_now());
 }
 
 void CommandSender::finish(Reason reason) {

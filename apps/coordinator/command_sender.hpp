@@ -64,8 +64,9 @@ class CommandSender {
   std::int64_t stops_received() const;
   /// Another sender commands this robot: zeros from both, until a second after the last of the other's.
   void rival_heard(MonotonicTime now);
-  /// The wheels' process announced itself: its session, and its clock when that left. It has arrived at `now`.
-  void base_heard(std::int64_t base_session, std::int64_t base_us, MonotonicTime now);
+  /// The wheels' process announced itself: its session, and its clock when that left. It is compared with the time of
+  /// this call: a message's time of arrival may be that of a look at the clock before it came.
+  void base_heard(std::int64_t base_session, std::int64_t base_us);
   /// Zeros with that reason, three times because a datagram may be lost, and nothing after them.
   void finish(Reason reason);
 

@@ -18,7 +18,7 @@ FINGERPRINTS = {
     bot_core.image_t: "14739ffe13d5f5f0",
     bot_core.image_metadata_t: "9a4b634d0577fb8e",
     bot_core.pose_t: "2e16efb052b0105e",
-    types.base_t: "11409575c12abc5b",
+    types.base_t: "5af1d9a0c5fb41d9",
     types.command_t: "7d8a1997660b07c8",
     types.counter_t: "85bf7873eaa98dd0",
     types.motion_t: "65420622915db3dd",

@@ -169,8 +169,7 @@ struct Player {
       sender->rival_heard({monotonic_now().us - next<std::int64_t>()});
     } else if (what == "base") {
       const auto session = next<std::int64_t>();
-      const MonotonicTime now = monotonic_now();
-      sender->base_heard(session, now.us + next<std::int64_t>(), now);
+      sender->base_heard(session, monotonic_now().us + next<std::int64_t>());
     } else if (what == "finish") {
       sender->finish(static_cast<Reason>(next<int>()));
     } else if (what == "wait") {

@@ -24,12 +24,12 @@ Reaction reaction() {
 }
 
 TEST(CollisionGuard, GivesBackWhatIsMissingToTheShortestDistanceWithinHalfASecond) {
-  // d_min is 0.4 m. At 0.3 m a tenth is missing: 0.1 / 0.5 = 0.2 m/s back, and as much more as the leader comes.
-  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.3)), -0.2, 1e-12);
-  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.3, -0.1)), -0.3, 1e-12);
-  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.3, 0.1)), -0.2, 1e-12);  // it leaves: that may end at any time
+  // d_min is 0.45 m. At 0.35 m a tenth is missing: 0.1 / 0.5 = 0.2 m/s back, and as much more as the leader comes.
+  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.35)), -0.2, 1e-12);
+  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.35, -0.1)), -0.3, 1e-12);
+  EXPECT_NEAR(guarded_speed({}, reaction(), leader(0.35, 0.1)), -0.2, 1e-12);  // it leaves: that may end at any time
   // A distance known to 10 mm counts as three of them less.
-  LeaderMotion unsure = leader(0.3);
+  LeaderMotion unsure = leader(0.35);
   unsure.distance_sigma_m = 0.01;
   EXPECT_NEAR(guarded_speed({}, reaction(), unsure), -0.26, 1e-12);
 }
