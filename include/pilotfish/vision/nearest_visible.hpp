@@ -7,8 +7,8 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
 
-/// A tag that is followed may be partly outside the picture, as long as these shares are inside: of its bits, and of all
-/// its cells with those of the frame around them.
+/// A tag that is followed may be partly outside the picture, as long as these shares are inside: of its bits, and of
+/// all its cells with those of the frame around them.
 inline constexpr double kMinBitsInside = 0.6, kMinCellsInside = 0.5;
 /// Cosine of the largest viewing angle at which a tag is followed.
 inline constexpr double kMinFacing = 0.2;
