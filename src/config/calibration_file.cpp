@@ -40,7 +40,7 @@ std::vector<double> matrix_numbers(YamlSection matrix) {
   std::vector<double> numbers = matrix.numbers("data");
   if (!matrix.has("rows") && !matrix.has("cols")) return numbers;
   const int rows = matrix.integer("rows", 0, kLongest), columns = matrix.integer("cols", 0, kLongest);
-  if (static_cast<std::size_t>(rows * columns) != numbers.size())
+  if (static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns) != numbers.size())
     throw matrix.error("data", "holds " + std::to_string(numbers.size()) + " numbers, not the " +
                                    std::to_string(rows * columns) + " of rows: " + std::to_string(rows) +
                                    " and cols: " + std::to_string(columns));
