@@ -36,7 +36,7 @@ constexpr double kSize_m = 0.16, kRate_hz = 30.0, kPi = 3.14159265358979323846;
 
 struct Tracker {
   std::string name;
-  std::function<std::vector<int>(const vpImage<unsigned char>&, Poses&)> look;  ///< ids and poses
+  std::function<std::vector<int>(const vpImage<unsigned char>&, Poses&)> track;  ///< ids and poses
 };
 
 template <class Detector>
@@ -56,9 +56,9 @@ Tracker visp(const std::string& name, float decimation, double shift_px, const p
 }
 
 Tracker ours(const std::string& name, int search_period, const pilotfish::CameraModel& camera) {
-  auto tracker = std::make_shared<pilotfish::visp::TagTracker>();
-  tracker->setSearchPeriod(search_period);
-  return tracker(name, tracker, pilotfish::visp::camera_parameters_of(camera));
+  auto detector = std::make_shared<pilotfish::visp::TagTracker>();
+  detector->setSearchPeriod(search_period);
+  return tracker(name, detector, pilotfish::visp::camera_parameters_of(camera));
 }
 
 /// Tag `i` of `count` at the time t: side by side, 0.7 to 2.5 m away, to and fro at up to 0.4 m/s, yaw up to 60 and
