@@ -46,10 +46,10 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
     // Our own come back. One that we have not sent yet is from another sender, which has read our session from the bus.
     if (command.session == config_.session && (sender_ == nullptr || command.counter <= sender_->sent())) return;
     rival_ = command.session;
-    if (sender_ != nullptr) sender_->rival_heard(monotonic_now());
+    if (sender_ != nullptr) sender_->rival_command_received(monotonic_now());
   });
   bus_.on_base(config_.robot, [this](const bus::BaseReport& base) {
-    if (sender_ != nullptr) sender_->base_heard(base.session, base.monotonic_us);
+    if (sender_ != nullptr) sender_->base_report_received(base.session, base.monotonic_us);
   });
   bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& asked) { hear_setpoint(asked); });
   if (!config_.image_channel.empty())

@@ -132,7 +132,7 @@ std::int64_t CommandSender::stops_received() const {
   return stops_received_;
 }
 
-void CommandSender::rival_heard(MonotonicTime now) {
+void CommandSender::rival_command_received(MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   ++counts_.rivals_heard;
   const bool moving = held_.fresh_at(now) && !(held_.command == Twist{});
@@ -142,10 +142,11 @@ void CommandSender::rival_heard(MonotonicTime now) {
     send(holds_at(now, Reason::another_coordinator), image_utime_, now, now, Reason::another_coordinator);
 }
 
-void CommandSender::base_heard(std::int64_t base_session, std::int64_t base_us) {
+void CommandSender::base_report_received(std::int64_t base_session, std::int64_t base_us) {
   const std::lock_guard lock(mutex_);
+  if (base_session != base_session_) base_clock_ = {};
   base_session_ = base_session;
-  if (base_us > 0) base_clock_.received(base_session, base_us, monotonic_now());
+  if (base_us > 0) base_clock_.received(base_us, monotonic_now());
 }
 
 void CommandSender::finish(Reason reason) {

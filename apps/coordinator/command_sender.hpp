@@ -63,10 +63,11 @@ class CommandSender {
   std::int64_t stop_received();
   std::int64_t stops_received() const;
   /// Another sender commands this robot: zeros from both, until a second after the last of the other's.
-  void rival_heard(MonotonicTime now);
-  /// The wheels' process announced itself: its session, and its clock when that left. It is compared with the time of
-  /// this call: a message's time of arrival may be that of a look at the clock before it came.
-  void base_heard(std::int64_t base_session, std::int64_t base_us);
+  void rival_command_received(MonotonicTime now);
+  /// The wheels' process announced itself: its session, and its clock when that left, 0 if it states none. It is
+  /// compared with the time of this call: a message's time of arrival may be that of a look at the clock before it
+  /// came.
+  void base_report_received(std::int64_t base_session, std::int64_t base_us);
   /// Zeros with that reason, three times because a datagram may be lost, and nothing after them.
   void finish(Reason reason);
 
@@ -94,7 +95,7 @@ class CommandSender {
   HeldAnswer last_answer_;
   std::int64_t image_utime_ = 0, base_session_ = 0;
   std::int64_t stops_received_ = 0, stops_applied_ = 0;
-  RemoteClock base_clock_;
+  RemoteClock base_clock_;  ///< of base_session_
   std::optional<MonotonicTime> rival_;
   MonotonicTime next_beat_;
   bool deadline_served_ = true;  ///< the zero at the end of what is held has left

@@ -65,11 +65,11 @@ class Loop {
       if (parts_.pull) {
         std::optional<Frame> frame = parts_.pull();
         if (!frame) return;
-        look_at(*frame, monotonic_now());
+        process(*frame, monotonic_now());
       } else if (taken.frame) {
         if (const std::optional<Frame> frame = taken.frame->decode()) {
           if (parts_.black_box != nullptr) record_picture(*frame, *taken.frame);
-          look_at(*frame, taken.frame->at);
+          process(*frame, taken.frame->at);
         }
       } else if (taken.received.empty()) {
         reporter_.report(coordinator_.command_at(now()), timing_);  // the sender sends the command itself
@@ -80,7 +80,7 @@ class Loop {
   /// For questions between frames, on the frames' clock.
   MonotonicTime now() const { return config_.simulated ? clock_.now() : monotonic_now(); }
 
-  void look_at(Frame frame, MonotonicTime arrival) {
+  void process(Frame frame, MonotonicTime arrival) {
     if (config_.simulated && last_utime_ == frame.utime && !parts_.pull) {
       // The same picture again: a simulator repeats it because the answer got lost. The old one holds while it is
       // fresh.

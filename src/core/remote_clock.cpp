@@ -5,9 +5,7 @@
 
 namespace pilotfish {
 
-void RemoteClock::received(std::int64_t session, std::int64_t remote_us, MonotonicTime now) noexcept {
-  if (session != session_) received_ = 0;
-  session_ = session;
+void RemoteClock::received(std::int64_t remote_us, MonotonicTime now) noexcept {
   bounds_[received_++ % kMessages] = {remote_us - now.us, now};
 }
 

@@ -86,6 +86,12 @@ def test_the_validity_is_on_the_clock_of_the_wheels_process_and_never_longer_tha
     assert -5_000 < first.valid_after_answer_us - (62_000 + ahead_us) <= 0
 
 
+def test_the_clock_of_a_wheels_process_that_is_gone_does_not_count_for_the_next():
+    """The first one's clock is an hour ahead; the second, a driver of someone's own, states none."""
+    first, *_ = after_answer(SENDER, "base 9 3600000000", "base 8 none", answer(55, 0.5, 62_000))
+    assert (first.base_session, first.valid_after_answer_us) == (8, 62_000)
+
+
 @undisturbed
 def test_of_its_own_it_waits_one_and_a_half_periods_for_a_frame_and_then_one():
     """50 ms at 30 Hz, then 33.3 ms; late, perhaps, but never early."""

@@ -166,10 +166,11 @@ struct Player {
     } else if (what == "stop") {
       print("stop", sender->stop_received());
     } else if (what == "rival") {
-      sender->rival_heard({monotonic_now().us - next<std::int64_t>()});
+      sender->rival_command_received({monotonic_now().us - next<std::int64_t>()});
     } else if (what == "base") {
       const auto session = next<std::int64_t>();
-      sender->base_heard(session, monotonic_now().us + next<std::int64_t>());
+      const auto ahead = next<std::string>();
+      sender->base_report_received(session, ahead == "none" ? 0 : monotonic_now().us + std::stoll(ahead));
     } else if (what == "finish") {
       sender->finish(static_cast<Reason>(next<int>()));
     } else if (what == "wait") {

@@ -27,8 +27,8 @@ class RemoteClock {
   static constexpr double kDrift = 1e-3;
   static constexpr std::size_t kMessages = 32;
 
-  /// `session`: of the other process. Another one has another clock. remote_us: T, in [0, 2^62]; now: A.
-  void received(std::int64_t session, std::int64_t remote_us, MonotonicTime now) noexcept;
+  /// remote_us: T, in [0, 2^62]; now: A. Another process, also one that was restarted, needs another RemoteClock.
+  void received(std::int64_t remote_us, MonotonicTime now) noexcept;
 
   /// Our `time` on the other's clock [us], or a little before it; nothing until a message was received.
   std::optional<std::int64_t> convert(MonotonicTime time) const noexcept;
@@ -39,7 +39,6 @@ class RemoteClock {
     MonotonicTime since;         ///< A
   };
 
-  std::int64_t session_ = 0;
   std::array<Bound, kMessages> bounds_{};  ///< a ring: the n-th message is at n mod kMessages
   std::size_t received_ = 0;
 };
