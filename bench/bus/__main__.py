@@ -17,11 +17,12 @@ sys.path.append(str(Path(__file__).resolve().parents[2]))  # where the package `
 
 import numpy as np
 import typer
-from receivers import CHANNEL, RECEIVERS, Receiver, now_us
+from receivers import CHANNEL, RECEIVERS, Receiver
 from rich.console import Console
 from rich.table import Table
 
 from bench.common import wire
+from pilotfish import core
 
 FRAME_RATE_HZ = 30.0
 FLOOD_DATAGRAMS, FLOOD_BYTES = 20_000, 1000
@@ -42,7 +43,7 @@ def transport_us(frames: int, jpeg: bool) -> dict[str, np.ndarray]:
         for receiver in receivers:
             due += period_s
             time.sleep(max(0.0, due - time.monotonic()))
-            message[8:16] = now_us().to_bytes(8, "big")
+            message[8:16] = core.monotonic_now_us().to_bytes(8, "big")
             receiver.sender.publish(CHANNEL, bytes(message))
     time.sleep(0.2)
     return {receiver.name: np.array(receiver.finish()[0][10:]) for receiver in receivers}

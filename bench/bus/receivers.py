@@ -10,15 +10,11 @@ from multiprocessing.connection import Connection
 
 import lcm
 
-from pilotfish import bus
+from pilotfish import bus, core
 from pilotfish.harness.ports import private_lcm_url
 
 CHANNEL = "ROBOT1_IMAGE"
 UTIME_AT = 8  # bytes of fingerprint before it
-
-
-def now_us() -> int:
-    return time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
 
 
 def _liblcm(url: str, came: Callable[[int], None]) -> Callable[[], object]:
@@ -44,7 +40,7 @@ RECEIVERS = {"liblcm alone": _liblcm, "Bus, encoded": _encoded, "Bus, decoded": 
 
 def _run(name: str, url: str, link: Connection) -> None:
     delays_us: list[int] = []
-    handle = RECEIVERS[name](url, lambda utime: delays_us.append(now_us() - utime))
+    handle = RECEIVERS[name](url, lambda utime: delays_us.append(core.monotonic_now_us() - utime))
     handle()
     link.send("listens")
     while not link.poll():

@@ -23,7 +23,7 @@ import yaml
 from serial_line import SerialLine
 
 from bench.common.processes import process, real_time, work
-from pilotfish import data
+from pilotfish import core, data
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import BASE, find_executable
 from pilotfish.harness.ports import private_lcm_url
@@ -144,7 +144,7 @@ def _send(url: str, base_session: int) -> None:
     next_s = time.monotonic()
     while True:
         message.counter += 1
-        message.valid_until_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 + 100_000
+        message.valid_until_us = core.monotonic_now_us() + 100_000
         bus.publish("ROBOT1_COMMAND", message.encode())
         next_s = max(next_s + 1 / COMMANDS_PER_S, time.monotonic())
         time.sleep(max(next_s - time.monotonic(), 0.0))

@@ -20,7 +20,7 @@ import yaml
 
 from bench.common.configuration import shipped_coordinator
 from bench.common.processes import process, real_time, work
-from pilotfish import bus, data, sim
+from pilotfish import bus, core, data, sim
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, find_executable
 from pilotfish.harness.ports import private_lcm_url
@@ -128,7 +128,7 @@ class _Camera:
         message.pixelformat, message.data, message.size = 1497715271, pixels, len(pixels)
         encoded = message.encode()
         if good:
-            self.last_good_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+            self.last_good_us = core.monotonic_now_us()
         self.out.publish("ROBOT1_IMAGE", encoded)
 
     def _pass_a_period(self) -> None:

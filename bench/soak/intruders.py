@@ -9,7 +9,7 @@ import time
 from robot import FORGED_SESSION, NAME, Robot
 
 from pilotfish.bus import BaseReport, CommandReport, MotionReport, SetpointReport
-from pilotfish.core import Setpoint, Status, Twist
+from pilotfish.core import Setpoint, Status, Twist, monotonic_now_us
 
 _FRAGMENT = 0x4C433033  # "LC03"
 _KEPT_M, _KEPT_RAD = 1.10, -0.17453292519943295  # what the configuration says
@@ -64,7 +64,7 @@ def forgeries(robot: Robot, rng: random.Random, duration_s: float) -> None:
                 session=rng.choice([robot.session, rng.getrandbits(62)]),
                 counter=2**62,
                 base_session=robot.base_session,
-                valid_until_us=time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 + 100_000,
+                valid_until_us=monotonic_now_us() + 100_000,
                 command=moving,
                 simulated=True,
                 status=Status.tracking,

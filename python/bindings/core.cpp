@@ -7,6 +7,7 @@
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/leader_body.hpp"
+#include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/read_file.hpp"
 #include "pilotfish/core/session_guard.hpp"
@@ -82,6 +83,10 @@ PYBIND11_MODULE(core, m) {
   m.doc() = "The words everyone shares: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
 
   m.def("wrap_angle", &wrap_angle, py::arg("angle_rad"), "The same angle in (-pi, pi].");
+  m.def(
+      "monotonic_now_us", [] { return monotonic_now().us; },
+      "Now, on the clock of every age and validity (CLOCK_BOOTTIME) [us]: a command sent now for 50 ms has "
+      "valid_until_us = monotonic_now_us() + 50_000 on the base's own computer.");
 
   py::class_<Twist>(m, "Twist", "Unicycle velocity in the base frame: linear_mps forward, angular_radps to the left.")
       .def(py::init([](double linear_mps, double angular_radps) {

@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 import lcm
 
+from pilotfish import core
 from pilotfish.lcmtypes.bot_core.pose_t import pose_t
 from pilotfish.lcmtypes.pilotfish.base_t import base_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
@@ -28,11 +29,6 @@ def mac(key: bytes, channel: str, message: bytes) -> bytes:
     out = ctypes.create_string_buffer(32)
     _sodium.crypto_auth(out, text, ctypes.c_ulonglong(len(text)), key)
     return out.raw
-
-
-def boot_us() -> int:
-    """The clock of every process on this computer that speaks of commands."""
-    return time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
 
 
 class Commander:
@@ -78,7 +74,7 @@ class Commander:
         message.session, message.counter = self.session, self.counter
         heard = self.heard[-1].session if self.heard else 0
         message.base_session = heard if self.base_session is None else self.base_session
-        message.valid_until_us = boot_us() + self.valid_ms * 1000
+        message.valid_until_us = core.monotonic_now_us() + self.valid_ms * 1000
         message.linear_mps, message.angular_radps = linear_mps, angular_radps
         message.simulated = self.simulated
         message.status = command_t.STATUS_TRACKING

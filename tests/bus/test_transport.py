@@ -29,10 +29,6 @@ def sender(url):
     sender.close()
 
 
-def now_us():
-    return time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
-
-
 def handle_until(link, condition):
     give_up = time.monotonic() + PATIENCE_S
     while not condition():
@@ -247,13 +243,15 @@ def arrival_of_one_that_waits(link, arrivals, channel, data):
     """Its arrival, and when it was sent; it waits unread for 30 ms, as it would while this process is stopped."""
     arrivals.clear()
     link.bus.handle(0)
-    idle_us = now_us() + 5_000  # since then nothing has waited: who does not know an arrival says that instant
-    while now_us() < idle_us:
+    idle_us = (
+        core.monotonic_now_us() + 5_000
+    )  # since then nothing has waited: who does not know an arrival says that instant
+    while core.monotonic_now_us() < idle_us:
         pass
-    before = now_us()
+    before = core.monotonic_now_us()
     link.lcm.publish(channel, data)
-    after = now_us()
-    while now_us() < after + 30_000:
+    after = core.monotonic_now_us()
+    while core.monotonic_now_us() < after + 30_000:
         pass
     handle_until(link, lambda: arrivals)
     (arrival,) = arrivals
@@ -282,10 +280,10 @@ def test_inside_a_process_too_a_message_is_as_old_as_it_is():
     local = bus.Bus("memq://")
     arrivals = []
     local.on_setpoint("r1", lambda _: arrivals.append(local.arrival_us))
-    before = now_us()
+    before = core.monotonic_now_us()
     local.publish_setpoint("r1", bus.SetpointReport(utime=1, session=1, counter=1, setpoint=core.Setpoint()))
-    after = now_us()
-    while now_us() < after + 20_000:
+    after = core.monotonic_now_us()
+    while core.monotonic_now_us() < after + 20_000:
         pass
     assert local.handle(1000) == 1
     assert before - 1100 <= arrivals[0] <= after + 1100  # liblcm's stamp is that of the wall clock

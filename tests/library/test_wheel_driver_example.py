@@ -33,7 +33,7 @@ def command(session, counter, linear_mps, valid_ms=100):
         utime=counter,
         session=session,
         counter=counter,
-        valid_until_us=time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000 + valid_ms * 1000,
+        valid_until_us=core.monotonic_now_us() + valid_ms * 1000,
         command=core.Twist(linear_mps=linear_mps),
         status=core.Status.tracking,
     )
