@@ -122,11 +122,14 @@ PYBIND11_MODULE(vision, m) {
       .def_property_readonly(
           "covariance", [](const LeaderPose& pose) { return to_array(pose.best.covariance); },
           "(6, 6) of the twist (v, w) in the camera frame that acts on cMo from the left");
-  m.attr("MIN_BITS_INSIDE") = kMinBitsInside;
-  m.attr("MIN_CELLS_INSIDE") = kMinCellsInside;
+  m.attr("MIN_BITS_INSIDE") = TagTracker::kMinBitsInside;
+  m.attr("MIN_CELLS_INSIDE") = TagTracker::kMinCellsInside;
   m.def(
-      "nearest_visible_distance_m", &nearest_visible_distance_m, py::arg("camera"), py::arg("mounting"),
-      py::arg("body"),
+      "nearest_visible_distance_m",
+      [](const CameraModel& camera, const CameraMounting& mounting, const LeaderBody& body) {
+        return nearest_visible_distance_m(TagTracker(camera, body), mounting);
+      },
+      py::arg("camera"), py::arg("mounting"), py::arg("body"),
       "The nearest distance [m] between the turning centres at which a leader can be followed at all, to 5 mm: one of "
       "its tags, straight ahead of the camera and looking at it, has MIN_BITS_INSIDE of its bits and MIN_CELLS_INSIDE "
       "of its cells in the picture. inf if no tag is visible with 5 m or less in between.");

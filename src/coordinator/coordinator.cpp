@@ -58,9 +58,9 @@ void check_blind_travel(const CoordinatorConfig& config) {
 }
 
 /// A guard that is never reached with open eyes protects nobody: the robot would stop blindly before it, or be hit.
-void check_guard(const CoordinatorConfig& config) {
+void check_guard(const CoordinatorConfig& config, const vision::TagTracker& tracker) {
   const double guard_m = config.control.guard.minimum_distance_m;
-  const double nearest_m = vision::nearest_visible_distance_m(config.camera, config.mounting, config.leader);
+  const double nearest_m = vision::nearest_visible_distance_m(tracker, config.mounting);
   if (nearest_m <= guard_m) return;
   std::ostringstream problem;
   problem << guard_m << " m is nearer than " << nearest_m
@@ -86,7 +86,7 @@ Coordinator::Coordinator(const CoordinatorConfig& config)
   check_ranges(config.safety, "safety");
   check_ranges(config.setpoint, "setpoint");
   check_blind_travel(config);
-  check_guard(config);
+  check_guard(config, observer_.tracker());
   if (is_too_near(config.setpoint, stop_distance_m_)) {
     std::ostringstream problem;
     problem << config.setpoint.distance_m << " is below safety.stop_distance_m (" << stop_distance_m_ << ")";

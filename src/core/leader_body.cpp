@@ -7,6 +7,16 @@
 #include "pilotfish/core/camera_model.hpp"
 
 namespace pilotfish {
+namespace {
+
+/// Two prints cannot hang in one place and look the same way, whatever their sizes and however they are turned.
+bool in_one_place(const BodyTag& one, const BodyTag& other) {
+  constexpr double kSameDirection = 1.0 - 1e-12;  // of the cosine: 1e-6 rad
+  const auto into_the_wall = [](const BodyTag& tag) -> Eigen::Vector3d { return body_from_tag(tag).linear().col(2); };
+  return one.position_m == other.position_m && into_the_wall(one).dot(into_the_wall(other)) > kSameDirection;
+}
+
+}  // namespace
 
 Eigen::Isometry3d body_from_tag(const BodyTag& tag) {
   // A camera that looks the way the tag hangs sees it upright, so the tag's axes are those of a camera whose optical
@@ -31,17 +41,6 @@ const BodyTag* LeaderBody::find(int id) const {
   const auto found = std::find_if(tags.begin(), tags.end(), [id](const BodyTag& tag) { return tag.id == id; });
   return found == tags.end() ? nullptr : &*found;
 }
-
-namespace {
-
-/// Two prints cannot hang in one place and look the same way, whatever their sizes and however they are turned.
-bool in_one_place(const BodyTag& one, const BodyTag& other) {
-  constexpr double kSameDirection = 1.0 - 1e-12;  // of the cosine: 1e-6 rad
-  const auto into_the_wall = [](const BodyTag& tag) -> Eigen::Vector3d { return body_from_tag(tag).linear().col(2); };
-  return one.position_m == other.position_m && into_the_wall(one).dot(into_the_wall(other)) > kSameDirection;
-}
-
-}  // namespace
 
 void LeaderBody::validate() const {
   if (tags.empty()) throw ConfigError("leader.tags", "a leader needs at least one tag");

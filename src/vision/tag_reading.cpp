@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "is_inside.hpp"
 #include "level_field.hpp"
 #include "tag_warp.hpp"
 
@@ -44,10 +45,6 @@ struct Shares {
   }
 };
 
-bool is_inside(const ImageView& image, const Eigen::Vector2d& pixel) {
-  return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= image.width - 1.0 && pixel.y() <= image.height - 1.0;
-}
-
 TagReading read_cells(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                       const Registration& registration, const LevelField* light) {
   const TagWarp warp(camera, registration.nHt);
@@ -76,7 +73,8 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
       black = levels.black;
       contrast = levels.white - levels.black;
     }
-    if (!is_inside(image, pixel) || (light != nullptr && contrast < kMinLocalContrast * look.contrast())) {
+    if (!is_inside(pixel, image.width, image.height) ||
+        (light != nullptr && contrast < kMinLocalContrast * look.contrast())) {
       reading.unread_bits += cell.data ? 1 : 0;
       continue;
     }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pilotfish/core/bounded_vector.hpp"
-#include "pilotfish/vision/nearest_visible.hpp"
+#include "pilotfish/vision/tag_tracker.hpp"
 #include "tag_warp.hpp"
 
 namespace pilotfish::vision {
@@ -60,7 +60,7 @@ std::optional<Shift> find_shift(const ImageView& image, const CameraModel& camer
     probes.push_back(probe);
     if (probes.full()) break;
   }
-  if (probes.size() < kMinCellsInside * pattern.known.size()) return std::nullopt;
+  if (probes.size() < TagTracker::kMinCellsInside * pattern.known.size()) return std::nullopt;
   mean /= static_cast<float>(probes.size());
   float colour_energy = 0.0F;
   for (Probe& probe : probes) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "is_inside.hpp"
 #include "pilotfish/vision/homography.hpp"
-#include "pilotfish/vision/nearest_visible.hpp"
 #include "tag_reading.hpp"
 #include "tag_search.hpp"
 #include "tag_warp.hpp"
@@ -19,12 +19,11 @@ constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be di
 constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
 constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's edge
 constexpr double kMaxUnread = 0.2;        ///< share of the bits that light may hide: 36h11 differs in 11 of 36
-constexpr double kMaxUnreadOutside = 1.0 - kMinBitsInside;  ///< of a tag that was there just before
+constexpr double kMaxUnreadOutside = 1.0 - TagTracker::kMinBitsInside;  ///< of a tag that was there just before
 
-bool is_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
+bool are_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
   return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {
-    return corner.x() >= kMinMargin_px && corner.y() >= kMinMargin_px &&
-           corner.x() <= image.width - 1.0 - kMinMargin_px && corner.y() <= image.height - 1.0 - kMinMargin_px;
+    return is_inside(corner, image.width, image.height, kMinMargin_px);
   });
 }
 
@@ -96,7 +95,7 @@ TagOutcome<Eigen::Matrix3d> TagTracker::search(const ImageView& image, const Tag
   const std::optional<Shift> shift = find_shift(image, camera_, pattern, prediction.nHt, prediction.search_px);
   if (!shift) return TagRefusal::outside_frame;
   if (shift->correlation < kMinCorrelation)
-    return is_inside(image, guess_px) ? TagRefusal::not_found : TagRefusal::outside_frame;
+    return are_inside(image, guess_px) ? TagRefusal::not_found : TagRefusal::outside_frame;
 
   Eigen::Matrix3d nHt = prediction.nHt;
   if (!shift->px.isZero()) {
@@ -110,7 +109,7 @@ TagOutcome<Eigen::Matrix3d> TagTracker::search(const ImageView& image, const Tag
 TagOutcome<Registration> TagTracker::align(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
                                            const Appearance& expected) const noexcept {
   TagOutcome<Registration> fit = align_anywhere(image, tag, nHt, expected);
-  if (fit && !is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
+  if (fit && !are_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
   return fit;
 }
 
@@ -127,7 +126,7 @@ TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t 
   const double blur_px = std::sqrt(std::max(fit.appearance.blur_u_px2, fit.appearance.blur_v_px2));
   if (blur_px > gates_.max_blur_cells * fit.cell_px) return TagRefusal::too_blurred;
   const TagReading reading = read_tag(image, camera_, patterns_[tag], fit);
-  const bool inside = is_inside(image, fit.corners_px);
+  const bool inside = are_inside(image, fit.corners_px);
   if (reading.unread_bits > (inside ? kMaxUnread : kMaxUnreadOutside) * reading.bits)
     return inside ? TagRefusal::hamming : TagRefusal::outside_frame;
   if (reading.wrong_bits > max_hamming_ || reading.wrong_frame_cells > kWrongFrameCells * reading.frame_cells)
@@ -155,7 +154,7 @@ TagOutcome<TagMeasurement> TagTracker::track(const ImageView& image, const TagPr
   lap(Stage::align);
   if (!fit) return fit.refusal;
   // What a search found, it has not seen before; what is followed may be partly outside.
-  if (!(prediction.search_px > 0.0) && !is_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
+  if (!(prediction.search_px > 0.0) && !are_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
   TagOutcome<TagMeasurement> measured = read(image, prediction.tag, *fit);
   lap(Stage::read);
   return measured;

@@ -76,6 +76,7 @@ class LeaderObserver {
   /// The next frame is treated as the first. The counters stay.
   void forget() noexcept;
 
+  const TagTracker& tracker() const { return tracker_; }           ///< of this camera and this leader
   const RejectionCounters& rejected() const { return rejected_; }  ///< since the start
   /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
   std::int64_t whole_picture_searches() const { return whole_picture_searches_; }

@@ -38,6 +38,10 @@ class TagTracker {
   /// detection is cheaper and more reliable.
   static constexpr double kSearch_px = 40.0;
   static constexpr double kSearch_cells = 4.0;  ///< the same in cells of the tag
+  /// A tag that is followed may be partly outside the picture, as long as these shares are inside: of its bits, and of
+  /// all its cells with those of the frame around them.
+  static constexpr double kMinBitsInside = 0.6, kMinCellsInside = 0.5;
+  static constexpr double kMinFacing = 0.2;  ///< cosine of the largest viewing angle at which a tag is followed
 
   /// Of `detector` the gates on bits are used, which are the same for a tag that is detected and one that is tracked.
   /// Throws ConfigError: an invalid camera or body, an unknown family ("leader.family"), an id that the family
@@ -64,8 +68,8 @@ class TagTracker {
                                   const Registration& registration) const noexcept;
 
   /// search(), align() and read(). A tag that is followed (search_px > 0) may be partly outside the picture, as long as
-  /// three fifths of its bits are in it; one that was detected may not. `stopwatch`, if there is one, gets a lap after
-  /// each.
+  /// kMinBitsInside of its bits are in it; one that was detected may not. `stopwatch`, if there is one, gets a lap
+  /// after each.
   TagOutcome<TagMeasurement> track(const ImageView& image, const TagPrediction& prediction, const Appearance& expected,
                                    StageStopwatch* stopwatch = nullptr) const noexcept;
 
