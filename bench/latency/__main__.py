@@ -95,7 +95,7 @@ def _table(condition: str, rows: list[Row]) -> Table:
             *(f"{value:.3f}" for value in (row.p50_ms, row.p99_ms, row.p999_ms, row.max_ms)),
             *(f"{value:.2f}" if ours else "" for value in (row.to_same_bare, row.to_raw_bare)),
             goal_text(condition) if ours else "",
-            ("[green]yes[/]" if row.met else "[red]no[/]") if ours else "",
+            (f"[red]not {', '.join(row.missed)}[/]" if row.missed else "[green]yes[/]") if ours else "",
         )
     return table
 

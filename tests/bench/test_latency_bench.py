@@ -13,8 +13,11 @@ from types import SimpleNamespace
 import lcm
 import pytest
 
+sys.path.append(str(Path(__file__).parents[2] / "bench" / "latency"))  # where measure finds its neighbours
+
 from bench.latency.ear import Ear
 from bench.latency.figures import rows_of
+from bench.latency.measure import moving_leader
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
@@ -61,8 +64,15 @@ def test_the_first_command_that_names_a_picture_answers_it_and_a_repetition_does
     assert between_ns <= ear.heard.answers_ns[3]
 
 
-@pytest.mark.parametrize(("ours_ms", "met"), [(3.0, True), (3.1, False)])
-def test_the_coordinator_is_compared_with_the_same_picture_over_lcm_alone(ours_ms: float, met: bool):
+def test_no_picture_is_one_that_was_shown_just_before():
+    """Such a picture is refused as a frozen camera's without a look at it, and a quarter of them made the figures those
+    of a leader that is lost and searched for, over and over."""
+    raw = [bytes(message) for message in moving_leader()["raw"]]
+    assert len(set(raw)) == len(raw)
+
+
+@pytest.mark.parametrize(("ours_ms", "missed"), [(3.0, []), (3.1, ["p50"])])
+def test_the_coordinator_is_compared_with_the_same_picture_over_lcm_alone(ours_ms: float, missed: list[str]):
     found = [
         arm("bare", "raw", [2.0] * 10),
         arm("bare", "JPEG", [1.0] * 10),
@@ -70,13 +80,13 @@ def test_the_coordinator_is_compared_with_the_same_picture_over_lcm_alone(ours_m
     ]
     row = rows_of("idle", found)[-1]
     assert (row.to_same_bare, row.to_raw_bare) == (ours_ms, ours_ms / 2.0)
-    assert row.met is met  # 1.5 times 2 ms
+    assert row.missed == missed  # 1.5 times 2 ms
 
 
 def test_a_picture_that_nobody_answers_is_not_left_out():
     found = [arm("bare", "raw", [1.0] * 10), arm("pilotfish", "raw", [1.0] * 9, sent=10)]
     row = rows_of("busy", found)[-1]
-    assert (row.p50_ms, row.p999_ms, row.met) == (1.0, math.inf, False)
+    assert (row.p50_ms, row.p999_ms, row.missed) == (1.0, math.inf, ["p99.9"])
 
 
 def test_its_help_says_what_is_timed_and_an_unknown_condition_is_refused():
