@@ -11,7 +11,7 @@ FORGERIES = 1_000_000
 
 def test_of_a_million_forged_or_replayed_messages_none_is_accepted():
     if not (RELEASE / "build.ninja").exists():
-        pytest.skip("needs build/release: run scripts/build")
+        pytest.skip("needs build/release: run scripts/build --tests")
     subprocess.run(["cmake", "--build", RELEASE, "--target", "forgery_probe"], check=True, capture_output=True)
     probe = RELEASE / "tests" / "probes" / "forgery_probe"
     done = subprocess.run([probe, "8", str(FORGERIES)], check=True, capture_output=True, text=True)

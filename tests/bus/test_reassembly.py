@@ -1,6 +1,6 @@
 """LCM's datagrams put together again: tests/probes/reassembly_probe.cpp, where the tests decide every byte and time.
 
-The probe is built with the release (scripts/build says PILOTFISH_TESTS=ON).
+The probe is built with the release (scripts/build --tests).
 """
 
 import random
@@ -31,7 +31,7 @@ class Answer:
 @pytest.fixture(scope="module")
 def probe():
     if not (RELEASE / "build.ninja").exists():
-        pytest.skip("needs build/release: run scripts/build")
+        pytest.skip("needs build/release: run scripts/build --tests")
     build = ["cmake", "--build", RELEASE, "--target", "reassembly_probe"]
     subprocess.run(build, check=True, capture_output=True)  # does nothing if nothing changed
     program = RELEASE / "tests" / "probes" / "reassembly_probe"

@@ -16,7 +16,7 @@ STEPS = 1_000_000  # ten times as many were run once, with ten seeds: no violati
 @pytest.mark.parametrize("seed", [1, 2])
 def test_no_random_sequence_of_stamps_arrivals_and_setpoints_moves_the_robot_blindly(seed):
     if not (RELEASE / "build.ninja").exists():
-        pytest.skip("needs build/release: run scripts/build")
+        pytest.skip("needs build/release: run scripts/build --tests")
     subprocess.run(["cmake", "--build", str(RELEASE), "--target", "random_steps"], check=True, capture_output=True)
     command = [RELEASE / "tests" / "probes" / "random_steps", shipped.path("config/line.yaml"), STEPS, seed]
     counted = json.loads(subprocess.run(list(map(str, command)), capture_output=True, text=True).stdout)

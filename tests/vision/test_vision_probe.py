@@ -1,6 +1,6 @@
 """What Python cannot see of the module: memory that it asks for, and memory that it must not touch.
 
-tests/probes/vision_probe.cpp is built with the release (scripts/build says PILOTFISH_TESTS=ON) and once more with
+tests/probes/vision_probe.cpp is built with the release (scripts/build --tests) and once more with
 AddressSanitizer and UBSan, in a build folder of its own: some minutes of one core the first time, nothing after that.
 """
 
@@ -18,7 +18,7 @@ def counts_of(output):
 
 def test_an_observer_that_tracks_asks_for_no_memory():
     if not (RELEASE / "build.ninja").exists():
-        pytest.skip("needs build/release: run scripts/build")
+        pytest.skip("needs build/release: run scripts/build --tests")
     run("cmake", "--build", RELEASE, "--target", "vision_probe")  # does nothing if nothing changed
     counts = counts_of(run(RELEASE / "tests" / "probes" / "vision_probe", "allocations"))
     for distance_m in ("0.65", "1.1", "2.44", "5"):
