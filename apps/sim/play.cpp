@@ -40,8 +40,9 @@ Runner::Runner(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* cs
     if (!robot.follows.empty()) followers_.push_back(robot.name);
   for (const std::string& robot : followers_) {
     answers_[robot] = {};
-    const auto [leader, is_new] = with_intent_.emplace(world_.scenario().find(robot)->follows, latency_s(robot));
-    if (!is_new) leader->second = std::min(leader->second, latency_s(robot));
+    const sim::RobotSpec& spec = *world_.scenario().find(robot);
+    const auto [leader, is_new] = with_intent_.emplace(spec.follows, spec.camera->latency_s);
+    if (!is_new) leader->second = std::min(leader->second, spec.camera->latency_s);
   }
   if (!config.publish_intent) with_intent_.clear();
   if (csv_ != nullptr) sim::write_recording_header(*csv_);
@@ -73,7 +74,7 @@ void Runner::publish_image(const std::string& robot, const Frame& frame) {
   bus_.publish_image(bus::channel(robot, "IMAGE"), frame);
 }
 
-double Runner::latency_s(const std::string& robot) const { return world_.scenario().find(robot)->camera->latency_s; }
+double Runner::latency_s(const std::string& robot) const { return world_.latency_s(robot); }
 
 std::optional<Frame> Runner::expose(const std::string& robot) {
   std::optional<Frame> picture = world_.capture(robot);

@@ -22,14 +22,17 @@ def play(
     change: Change | None = None,
     noise: float | None = None,
     delays: tuple[float, float] | None = None,
+    hardware: str | None = None,
     on_progress: OnProgress | None = None,
 ) -> Recording:
     """One run: the fuzzy law with what it ships with, a baseline with what `pilotfish tune` found. `noise`: drawn
     measurements with so much of the usual noise instead of rendered pictures. `delays`: (latency_s, actuator_lag_s) of
-    the robot, which its coordinator is told as well."""
+    the robot, which its coordinator is told as well. `hardware`: a file of data/hardware, which it is not told."""
     scenario = Scenario.load(data.path(f"scenarios/{which}.yaml"))
     spec = sim.load_scenario(scenario.file)
     spec.seed = seed
+    if hardware:
+        spec = sim.with_hardware(spec, data.path(f"hardware/{hardware}.yaml"))
     robots = spec.robots
     for robot in robots:
         if robot.name == scenario.robot().name:

@@ -136,13 +136,12 @@ void bind_rendering(py::module_& m) {
 }
 
 void bind_scenario(py::module_& m) {
-  py::class_<CameraSpec>(m, "CameraSpec", "A robot's own camera.")
-      .def_readwrite("model", &CameraSpec::model, "CameraModel: size and lens")
-      .def_readwrite("mounting", &CameraSpec::mounting, "CameraMounting: where it sits on the robot")
-      .def_readwrite("imperfections", &CameraSpec::imperfections, "Imperfections of its pictures")
-      .def_readwrite("latency_s", &CameraSpec::latency_s,
-                     "from the exposure to the moment the command that answers it acts [s]")
-      .def_readwrite("drop_probability", &CameraSpec::drop_probability, "of a picture never being delivered, 0 to 1");
+  bind_parameters<CameraSpec>(m, "CameraSpec",
+                              "A robot's own camera. The errors are what nobody knows: the world uses them, no "
+                              "configuration says them.")
+      .def_readwrite("model", &CameraSpec::model, "CameraModel: size and lens, without focal_error")
+      .def_readwrite("mounting", &CameraSpec::mounting, "CameraMounting: where it sits, without the errors")
+      .def_readwrite("imperfections", &CameraSpec::imperfections, "Imperfections of its pictures");
   bind_parameters<Visibility>(m, "Visibility", "When nobody can see a robot.");
   py::class_<RobotSpec>(m, "RobotSpec", "One robot of the world.")
       .def(py::init<>(), "Defaults; set the attributes. Scenario.validate() checks them.")
@@ -174,6 +173,17 @@ void bind_scenario(py::module_& m) {
           },
           "A copy of the robot of that name.", py::arg("name"))
       .def("validate", &Scenario::validate, "ValueError names the key at fault.");
+  m.def(
+      "with_hardware",
+      [](sim::Scenario scenario, const std::filesystem::path& file) {
+        config::apply_hardware(config::read_text_file(file), scenario);
+        scenario.validate();
+        return scenario;
+      },
+      py::arg("scenario"), py::arg("path"),
+      "The Scenario with robots as that file says, such as hardware/honest.yaml: its sections drive and camera count "
+      "in "
+      "place of what the scenario says of each robot that follows another. ConfigError names the key at fault.");
   m.def("load_scenario", &config::load_scenario, "ValueError names the key at fault.", py::arg("path"),
         py::call_guard<py::gil_scoped_release>());
 }
@@ -207,6 +217,10 @@ void bind_world(py::module_& m) {
              return to_array(cMo);
            }),
            "(4, 4): the leader's base in the robot's camera frame", py::arg("robot"))
+      .def("latency_s", exclusive([](const World& world, const std::string& robot) { return world.latency_s(robot); }),
+           py::arg("robot"),
+           "From the exposure of the robot's present picture until the command that answers it acts [s]. IndexError: "
+           "no such robot, or without a camera.")
       .def("true_relative_pose", exclusive([](const World& world, const std::string& robot) {
              const RelativePose pose = [&] {
                const py::gil_scoped_release unlocked;
@@ -270,7 +284,7 @@ PYBIND11_MODULE(sim, m) {
   make_value(m, "Line", {"profile"});
   make_value(m, "Circle", {"radius_m", "clockwise", "profile"});
   make_value(m, "FigureEight", {"half_length_m", "half_width_m", "profile"});
-  make_results<UnicycleState, CameraSpec, RobotSpec>();
+  make_results<UnicycleState, RobotSpec>();
   add_reprs(m, {"UnicycleState", "Line", "Circle", "FigureEight", "CameraSpec", "RobotSpec"});
   add_repr(m, "World", {"time_s", "frame_index"});
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.table import Table
@@ -32,6 +32,12 @@ class Experiment:
     def scenario(self) -> Scenario:
         """The Scenario, read anew. ValueError names the key at fault."""
         return Scenario.load(data.path(self.scenario_file))
+
+    def on_honest_robot(self) -> Experiment:
+        """The same with a robot and a camera as they come out of a workshop (data/hardware/honest.yaml), of which the
+        coordinator is told nothing."""
+        name = f"{self.name}_honest"
+        return replace(self, name=name, title=f"{self.title}, honest robot", scenario_file=f"scenarios/{name}.yaml")
 
 
 LINE = Experiment("line", "Leader on a line", "Fig. 6", "scenarios/line.yaml", 2.44, 1.10, -10.0)
@@ -79,9 +85,9 @@ def _runner(transport: str) -> Callable[..., Run]:
     raise ValueError(f"transport '{transport}' is not one of {', '.join(TRANSPORTS)}")
 
 
-def metrics_table(results: Sequence[Result]) -> Table:
+def metrics_table(results: Sequence[Result], title: str = "Following by sight") -> Table:
     """One column an experiment, one row a figure; pilotfish.metrics defines each."""
-    table = Table(title="Following by sight", title_justify="left", caption_justify="left")
+    table = Table(title=title, title_justify="left", caption_justify="left")
     table.caption = "e = d_p - d, positive: too close. Steady state, RMS and bearing: over the last quarter of the run."
     table.add_column("")
     for result in results:

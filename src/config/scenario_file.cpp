@@ -74,6 +74,18 @@ sim::CameraSpec read_camera(YamlSection section) {
   return camera;
 }
 
+void read_hardware(const TextFile& file, sim::RobotSpec& robot) {
+  YamlSection root = YamlSection::parse(file);
+  if (root.optional("drive")) read_whole(root.section("drive"), robot.drive);
+  if (root.optional("camera") && robot.camera) {
+    YamlSection camera = root.section("camera");
+    camera.read(*robot.camera);
+    camera.read(robot.camera->imperfections);
+    camera.finish();
+  }
+  root.finish();
+}
+
 sim::RobotSpec read_robot(YamlSection& section) {
   sim::RobotSpec robot;
   robot.name = section.text("name");
@@ -83,10 +95,33 @@ sim::RobotSpec read_robot(YamlSection& section) {
   if (section.optional("drive")) read_whole(section.section("drive"), robot.drive);
   if (section.optional("body")) read_body(section.section("body"), robot);
   if (section.optional("camera")) robot.camera = read_camera(section.section("camera"));
+  if (section.optional("hardware")) read_hardware(section.file("hardware"), robot);
   if (section.optional("coordinator")) robot.coordinator_file = section.file_path("coordinator");
   if (section.optional("setpoint")) read_whole(section.section("setpoint"), robot.setpoint.emplace());
   section.finish();
   return robot;
+}
+
+constexpr int kMaxLike = 4;
+
+/// `like`: so many files are like this one already.
+sim::Scenario read_scenario(const TextFile& file, int like) {
+  YamlSection root = YamlSection::parse(file);
+  sim::Scenario scenario;
+  const bool other = root.optional("like");
+  if (other) {
+    if (like == kMaxLike) throw root.error("like", "names a file that is like another, and so on, too often");
+    scenario = read_scenario(root.file("like"), like + 1);
+  }
+  if (!root.has("name")) throw root.error("name", "is missing");
+  root.read(scenario);
+  if (!other || root.optional("robots")) {
+    scenario.robots.clear();
+    for (YamlSection& section : root.sections("robots")) scenario.robots.push_back(read_robot(section));
+  }
+  if (root.optional("hardware")) apply_hardware(root.file("hardware"), scenario);
+  root.finish();
+  return scenario;
 }
 
 }  // namespace
@@ -94,14 +129,14 @@ sim::RobotSpec read_robot(YamlSection& section) {
 sim::Scenario load_scenario(const std::filesystem::path& file) { return parse_scenario(read_text_file(file)); }
 
 sim::Scenario parse_scenario(const TextFile& file) {
-  YamlSection root = YamlSection::parse(file);
-  sim::Scenario scenario;
-  if (!root.has("name")) throw root.error("name", "is missing");
-  root.read(scenario);
-  for (YamlSection& section : root.sections("robots")) scenario.robots.push_back(read_robot(section));
-  root.finish();
+  sim::Scenario scenario = read_scenario(file, 0);
   scenario.validate();
   return scenario;
+}
+
+void apply_hardware(const TextFile& file, sim::Scenario& scenario) {
+  for (sim::RobotSpec& robot : scenario.robots)
+    if (!robot.follows.empty()) read_hardware(file, robot);
 }
 
 }  // namespace pilotfish::config

@@ -21,8 +21,9 @@ double normal_quantile(double p) {
 
 }  // namespace
 
-NoiseTable::NoiseTable(double sigma) {
+NoiseTable::NoiseTable(double sigma, double shot, double gamma) : even_(shot == 0.0 && gamma == 1.0) {
   constexpr int size = 1 << kBits;
+  const double largest = std::hypot(sigma, shot);
   std::array<double, size> quantiles;
   double variance = 0.0;
   for (int i = size / 2; i < size; ++i) {
@@ -32,13 +33,34 @@ NoiseTable::NoiseTable(double sigma) {
     variance += 2.0 * z * z / size;
   }
   for (std::size_t i = 0; i < size; ++i)
-    table_[i] = static_cast<std::int32_t>(std::lround(256.0 * sigma * quantiles[i] / std::sqrt(variance)));
+    table_[i] = static_cast<std::int32_t>(std::lround(256.0 * largest * quantiles[i] / std::sqrt(variance)));
+  for (std::size_t gray = 0; gray < scale_.size(); ++gray) {
+    const double here = std::sqrt(sigma * sigma + shot * shot * static_cast<double>(gray) / 255.0);
+    scale_[gray] = largest > 0.0 ? static_cast<std::int32_t>(std::lround(256.0 * here / largest)) : 0;
+  }
+  response_.resize(16 * 255 + 1);
+  for (std::size_t i = 0; i < response_.size(); ++i)
+    response_[i] =
+        static_cast<std::uint8_t>(std::lround(255.0 * std::pow(static_cast<double>(i) / (16.0 * 255.0), 1.0 / gamma)));
 }
 
 void NoiseTable::expose(const std::vector<std::uint16_t>& grays, double gain, std::uint64_t seed,
                         std::vector<std::uint8_t>& pixels) const {
   pixels.resize(grays.size());
   const auto gain_256 = static_cast<std::int64_t>(std::lround(gain * 256.0));
+  if (even_) return expose_evenly(grays, gain_256, seed, pixels);
+  Random random(seed);
+  for (std::size_t i = 0; i < grays.size(); ++i) {
+    const std::int64_t light = (grays[i] * gain_256) >> 8;  // in 1/256
+    const std::int64_t at = std::clamp<std::int64_t>(light >> 8, 0, 255);
+    const std::int64_t noise =
+        (static_cast<std::int64_t>(table_[random.next() & ((1U << kBits) - 1U)]) * scale_[at]) >> 8;
+    pixels[i] = response_[static_cast<std::size_t>(std::clamp<std::int64_t>((light + noise + 8) >> 4, 0, 16 * 255))];
+  }
+}
+
+void NoiseTable::expose_evenly(const std::vector<std::uint16_t>& grays, std::int64_t gain_256, std::uint64_t seed,
+                               std::vector<std::uint8_t>& pixels) const {
   constexpr int per_number = 64 / kBits;
   constexpr std::uint64_t mask = (1U << kBits) - 1U;
   Random random(seed);

@@ -47,7 +47,7 @@ Renderer::Renderer(const CameraModel& camera, const CameraMounting& mounting, co
   check_ranges(imperfections, "imperfections");
   const RayGrid grid(camera);
   optics_.reset(new Optics{camera, imperfections, grid, Background(grid, mounting, imperfections.clutter, clutter_seed),
-                           NoiseTable(imperfections.noise_sigma)});
+                           NoiseTable(imperfections.noise_sigma, imperfections.shot_noise, imperfections.gamma)});
 }
 
 Renderer::~Renderer() = default;

@@ -16,6 +16,20 @@ void check_part(const std::optional<Config>& part, const std::string& section) {
 
 }  // namespace
 
+CameraModel real_model(const CameraSpec& camera) {
+  CameraModel model = camera.model;
+  model.fx *= 1.0 + camera.focal_error;
+  model.fy *= 1.0 + camera.focal_error;
+  return model;
+}
+
+CameraMounting real_mounting(const CameraSpec& camera) {
+  CameraMounting mounting = camera.mounting;
+  mounting.pan_rad += camera.pan_error_rad;
+  mounting.tilt_rad += camera.tilt_error_rad;
+  return mounting;
+}
+
 const RobotSpec* Scenario::find(const std::string& robot) const {
   const auto found =
       std::find_if(robots.begin(), robots.end(), [&](const RobotSpec& spec) { return spec.name == robot; });
@@ -46,6 +60,9 @@ void Scenario::validate() const {
     if (robot.camera) {
       robot.camera->model.validate();
       check_ranges(*robot.camera, key + ".camera");
+      if (robot.camera->latency_jitter_s > robot.camera->latency_s)
+        throw ConfigError(key + ".camera.latency_jitter_s",
+                          "is more than latency_s: a command cannot act before its picture");
       check_ranges(robot.camera->mounting, key + ".camera.mounting");
       check_ranges(robot.camera->imperfections, key + ".camera");
     }

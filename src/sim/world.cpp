@@ -21,11 +21,11 @@ World::World(Scenario scenario) : scenario_(std::move(scenario)) {
   for (const RobotSpec& spec : scenario_.robots) {
     Robot robot;
     robot.spec = &spec;
-    robot.unicycle = Unicycle(spec.drive, spec.start);
+    robot.unicycle = Unicycle(spec.drive, spec.start, seed_for(seed_for(seed, "slip"), spec.name));
     if (spec.body) robot.surfaces = surfaces_of(*spec.body);
     if (spec.camera)
       // One room for all cameras.
-      robot.renderer.emplace(spec.camera->model, spec.camera->mounting, spec.camera->imperfections,
+      robot.renderer.emplace(real_model(*spec.camera), real_mounting(*spec.camera), spec.camera->imperfections,
                              seed_for(seed, "clutter"));
     robots_.emplace(spec.name, std::move(robot));
   }
@@ -85,6 +85,16 @@ const World::Robot& World::leader_of(const Robot& follower) const {
   return robot(follower.spec->follows);
 }
 
+const CameraSpec& World::camera_of(const Robot& robot) {
+  if (!robot.spec->camera) throw std::out_of_range("'" + robot.spec->name + "' has no camera");
+  return *robot.spec->camera;
+}
+
+std::uint64_t World::frame_seed(const Robot& robot, const char* purpose) const {
+  const std::uint64_t seed = seed_for(seed_for(static_cast<std::uint64_t>(scenario_.seed), purpose), robot.spec->name);
+  return seed_for(seed, static_cast<std::uint64_t>(frame_index()));
+}
+
 /// Not further away than half an exposure: a robot without a trajectory moves on with its present twist.
 UnicycleState World::state_near_now(const Robot& robot, double offset_s) const {
   const RobotSpec& spec = *robot.spec;
@@ -105,8 +115,22 @@ Twist World::command_in_effect(const std::string& name, double time_s) const {
 }
 
 Eigen::Isometry3d World::camera_in_world(const Robot& robot, double offset_s) const {
-  if (!robot.spec->camera) throw std::out_of_range("'" + robot.spec->name + "' has no camera");
-  return world_from_base(state_near_now(robot, offset_s).pose) * base_from_camera(robot.spec->camera->mounting);
+  const Eigen::Isometry3d wMb = world_from_base(state_near_now(robot, offset_s).pose);
+  const CameraSpec& camera = camera_of(robot);
+  Eigen::Isometry3d bMc = base_from_camera(real_mounting(camera));
+  if (camera.vibration_rad > 0.0) {
+    Random random(frame_seed(robot, "vibration"));
+    bMc.rotate(Eigen::AngleAxisd(camera.vibration_rad * random.normal(), Eigen::Vector3d::UnitX()));
+    bMc.rotate(Eigen::AngleAxisd(camera.vibration_rad * random.normal(), Eigen::Vector3d::UnitZ()));
+  }
+  return wMb * bMc;
+}
+
+double World::latency_s(const std::string& name) const {
+  const Robot& robot = this->robot(name);
+  const CameraSpec& camera = camera_of(robot);
+  if (camera.latency_jitter_s == 0.0) return camera.latency_s;
+  return camera.latency_s + camera.latency_jitter_s * (2.0 * Random(frame_seed(robot, "latency")).uniform() - 1.0);
 }
 
 Eigen::Isometry3d World::true_cMo(const std::string& name) const {
@@ -133,12 +157,8 @@ View World::view(const Robot& viewer, double offset_s) const {
 
 std::optional<Frame> World::capture(const std::string& name) const {
   const Robot& viewer = robot(name);
-  if (!viewer.renderer) throw std::out_of_range("'" + name + "' has no camera");
-  const auto frame_seed = [&](const char* purpose) {
-    const std::uint64_t seed = seed_for(seed_for(static_cast<std::uint64_t>(scenario_.seed), purpose), name);
-    return seed_for(seed, static_cast<std::uint64_t>(frame_index()));
-  };
-  if (Random(frame_seed("drop")).uniform() < viewer.spec->camera->drop_probability) return std::nullopt;
+  const CameraSpec& spec = camera_of(viewer);
+  if (Random(frame_seed(viewer, "drop")).uniform() < spec.drop_probability) return std::nullopt;
 
   const Imperfections& imperfections = viewer.renderer->imperfections();
   const int samples = imperfections.exposure_time_s > 0.0 ? imperfections.exposure_samples : 1;
@@ -148,7 +168,7 @@ std::optional<Frame> World::capture(const std::string& name) const {
     instants.push_back(view(viewer, imperfections.exposure_time_s * ((i + 0.5) / samples - 0.5)));
   const CameraModel& camera = viewer.renderer->camera();
   return Frame::from_pixels(utime(), camera.width, camera.height,
-                            viewer.renderer->render(instants, frame_seed("noise")));
+                            viewer.renderer->render(instants, frame_seed(viewer, "noise")));
 }
 
 }  // namespace pilotfish::sim

@@ -149,6 +149,12 @@ def test_an_experiment_prints_its_table_and_leaves_its_files(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == names | {"comparison.png"}
 
 
+def test_an_experiment_can_be_played_with_an_honest_robot():
+    result, said = run("experiment", "line", "--robot", "honest", "--in-process", "--duration-s", "1")
+    assert result.exit_code == 0, said
+    assert "honest robot" in said
+
+
 @pytest.mark.parametrize("law", ["pbvs", "pid"])
 def test_an_experiment_can_be_driven_by_a_peer(tmp_path, law):
     result, said = run("experiment", "line", "--law", law, "--in-process", "--duration-s", "1", "--out", tmp_path)
@@ -162,6 +168,7 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
     assert result.exit_code == 0, said
     each = ("{}_{}.csv", "{}_{}_distance_error.png", "{}_{}_paths.png")
     runs = [(which, profile) for which in ("line", "circle") for profile in ("paper", "anticipate")]
+    runs += [("line_honest", "anticipate"), ("circle_honest", "anticipate")]
     expected = {name.format(*names) for names in runs for name in each}
     assert {file.name for file in tmp_path.iterdir()} == expected | {
         "line_anticipate_camera.gif",
@@ -173,5 +180,5 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
         "metrics.json",
     }
     figures = json.loads((tmp_path / "metrics.json").read_text())
-    assert set(figures) == {"line_paper", "line_anticipate", "circle_paper", "circle_anticipate"}
+    assert set(figures) == {f"{which}_{profile}" for which, profile in runs}
     assert figures["line_paper"]["initial_distance_m"] == pytest.approx(2.44, abs=1e-3)

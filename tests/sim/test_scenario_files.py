@@ -127,3 +127,40 @@ def test_the_files_that_are_not_scenarios_but_belong_to_one_load_too():
     for file in sorted(shipped.path("calibrations").iterdir()):
         camera = coordinator.load_calibration(file)
         assert (camera.width, camera.height, camera.fx) == (640, 480, 600.0)
+
+
+def written(folder, name, text):
+    (folder / f"{name}.yaml").write_text(text)
+    return folder / f"{name}.yaml"
+
+
+def test_a_scenario_like_another_says_what_differs(tmp_path):
+    line = shipped.path("scenarios/line.yaml")
+    scenario = sim.load_scenario(written(tmp_path, "long", f"name: long\nlike: {line}\nduration_s: 60\n"))
+    assert (scenario.name, scenario.duration_s, len(scenario.robots)) == ("long", 60.0, 2)
+    assert scenario.robot("robot1").follows == "leader"
+
+
+def test_hardware_counts_in_place_of_what_the_scenario_says_of_the_robot_that_follows(tmp_path):
+    line = shipped.path("scenarios/line.yaml")
+    written(tmp_path, "worn", "drive: {actuator_lag_s: 0.3, slip: 0.1}\ncamera: {pan_error_deg: 1.0, gamma: 2.2}\n")
+    leader, robot = sim.load_scenario(
+        written(tmp_path, "old", f"name: old\nlike: {line}\nhardware: worn.yaml\n")
+    ).robots
+    assert (robot.drive.actuator_lag_s, robot.drive.slip, robot.drive.max_linear_mps) == (0.3, 0.1, 0.6)
+    assert robot.camera.pan_error_rad == pytest.approx(0.0174533, abs=1e-6)
+    assert (robot.camera.imperfections.gamma, robot.camera.imperfections.blur_sigma_px) == (2.2, 0.7)
+    assert (leader.drive.actuator_lag_s, leader.drive.slip) == (0.1, 0.0)
+
+
+def test_a_wrong_key_of_the_hardware_is_named_with_its_file(tmp_path):
+    line = shipped.path("scenarios/line.yaml")
+    written(tmp_path, "worn", "drive: {slipp: 0.1}\n")
+    with pytest.raises(ValueError, match=r"drive\.slipp") as refused:
+        sim.load_scenario(written(tmp_path, "old", f"name: old\nlike: {line}\nhardware: worn.yaml\n"))
+    assert "slip_sigma" in str(refused.value)  # what there is
+
+
+def test_a_scenario_like_itself_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="like: names a file that is like another, and so on, too often"):
+        sim.load_scenario(written(tmp_path, "ouroboros", "name: ouroboros\nlike: ouroboros.yaml\n"))

@@ -18,6 +18,10 @@ struct Imperfections {
   PILOTFISH_PARAMETER(double, blur_sigma_px, 0.7, 0.0, 20.0, "of the lens's Gaussian blur; 0: sharp");
   /// After the exposure.
   PILOTFISH_PARAMETER(double, noise_sigma, 3.0, 0.0, 100.0, "of white Gaussian noise, in gray levels");
+  PILOTFISH_PARAMETER(double, shot_noise, 0.0, 0.0, 100.0,
+                      "of the light's own noise at gray 255, in gray levels; it grows as the root of the gray");
+  PILOTFISH_PARAMETER(double, gamma, 1.0, 0.5, 4.0,
+                      "of the sensor's response: gray^(1/gamma), after the noise; 1: linear, 2.2: most cameras");
   PILOTFISH_PARAMETER(double, exposure_gain, 1.0, 0.01, 10.0, "all grays times this, clipped at 255");
   /// Around the instant of the frame's time.
   PILOTFISH_PARAMETER(double, exposure_time_s, 0.0, 0.0, 0.5, "how long the shutter is open: motion blur");

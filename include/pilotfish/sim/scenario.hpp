@@ -28,7 +28,7 @@ struct Visibility {
   bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
 };
 
-/// A robot's own camera.
+/// A robot's own camera. The errors are what nobody knows: the world uses them, no configuration says them.
 struct CameraSpec {
   CameraModel model;            ///< size and lens
   CameraMounting mounting;      ///< where it sits on the robot
@@ -36,8 +36,19 @@ struct CameraSpec {
   PILOTFISH_PARAMETERS(CameraSpec);
   PILOTFISH_PARAMETER(double, latency_s, 1.0 / 30.0, 0.0, 2.0,
                       "from the exposure until the command that answers it acts");
+  PILOTFISH_PARAMETER(double, latency_jitter_s, 0.0, 0.0, 1.0, "each picture's latency is drawn evenly within +- this");
   PILOTFISH_PARAMETER(double, drop_probability, 0.0, 0.0, 1.0, "of a picture never being delivered");
+  PILOTFISH_PARAMETER(double, vibration_rad, 0.0, 0.0, 0.1,
+                      "standard deviation of pitch and of roll, drawn anew for every picture");
+  PILOTFISH_PARAMETER(double, pan_error_rad, 0.0, -0.2, 0.2,
+                      "the camera really looks so much farther left than mounting says");
+  PILOTFISH_PARAMETER(double, tilt_error_rad, 0.0, -0.2, 0.2, "and so much farther up");
+  PILOTFISH_PARAMETER(double, focal_error, 0.0, -0.1, 0.1,
+                      "its focal length is really so much longer than the calibration's, as a share");
 };
+
+CameraModel real_model(const CameraSpec& camera);        ///< with the error that nobody knows
+CameraMounting real_mounting(const CameraSpec& camera);  ///< likewise
 
 /// One robot of the world. It does one of three: it drives a trajectory, it follows another robot by
 /// vision, or, with neither, it executes the commands that it receives.

@@ -44,6 +44,9 @@ class World {
   /// Advances all robots. A time in the past, or one that is not finite or beyond kNever_s, changes nothing.
   void advance_to(double time_s);
 
+  /// From the exposure of the robot's present picture until the command that answers it acts [s].
+  double latency_s(const std::string& robot) const;
+
   /// A robot's pose and twist now.
   UnicycleState state(const std::string& robot) const;
   /// The command in effect at a time that is not in the past, if no other arrives before.
@@ -75,6 +78,8 @@ class World {
   const Robot& robot(const std::string& name) const;
   const Robot& leader_of(const Robot& follower) const;
   UnicycleState state_near_now(const Robot& robot, double offset_s) const;
+  static const CameraSpec& camera_of(const Robot& robot);
+  std::uint64_t frame_seed(const Robot& robot, const char* purpose) const;
   Eigen::Isometry3d camera_in_world(const Robot& robot, double offset_s) const;
   View view(const Robot& robot, double offset_s) const;
   void drive(Robot& robot, double until_s) const;

@@ -15,6 +15,8 @@ from pilotfish.cli.options import (
     OutOption,
     Profiles,
     ProfilesOption,
+    Robot,
+    RobotOption,
     TuningOption,
     Which,
     drivers_of,
@@ -25,6 +27,7 @@ def experiment(
     which: Annotated[Which, typer.Argument(help="Leader on a line (Fig. 6), on a circle (Fig. 7), or both.")],
     profile: ProfilesOption = Profiles.both,
     law: LawOption = Law.fuzzy,
+    robot: RobotOption = Robot.ideal,
     tuning: TuningOption = None,
     in_process: InProcessOption = False,
     duration_s: DurationOption = None,
@@ -40,19 +43,22 @@ def experiment(
       pilotfish experiment both --out out          with recordings and pictures
       pilotfish experiment circle --in-process     without programs and bus
       pilotfish experiment line --law pid          with a baseline of the fuzzy law
+      pilotfish experiment both --robot honest     with slip, lag, noise and a crooked camera
     """
     from pilotfish.cli.pictures import save_comparison, save_result
     from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
 
-    names = list(EXPERIMENTS) if which is Which.both else [which.value]
+    chosen = list(EXPERIMENTS.values()) if which is Which.both else [EXPERIMENTS[which.value]]
+    if robot is Robot.honest:
+        chosen = [experiment.on_honest_robot() for experiment in chosen]
     transport = "in-process" if in_process else "lcm"
     with friendly_errors():
         results = []
-        for name in names:
+        for experiment in chosen:
             for driver in drivers_of(profile, law):
-                with progress(f"{EXPERIMENTS[name].title}, {driver}") as step:
+                with progress(f"{experiment.title}, {driver}") as step:
                     how = {"tuning": tuning, "duration_s": duration_s, "on_progress": step}
-                    results.append(run_experiment(EXPERIMENTS[name], driver, transport, **how))
+                    results.append(run_experiment(experiment, driver, transport, **how))
         console.print(metrics_table(results))
         if out:
             written = [file for result in results for file in save_result(result, out)]

@@ -31,6 +31,13 @@ class Which(str, Enum):
     both = "both"
 
 
+class Robot(str, Enum):
+    """The robot that an experiment is played with."""
+
+    ideal = "ideal"
+    honest = "honest"
+
+
 class Profile(str, Enum):
     """How the fuzzy law drives."""
 
@@ -51,6 +58,13 @@ Law = Enum("Law", {name: name for name in ("fuzzy", *BASELINES)}, type=str)
 Tunable = Enum("Tunable", {name: name for name in (*PROFILES, *BASELINES)}, type=str)
 
 
+RobotOption = Annotated[
+    Robot,
+    typer.Option(
+        help="A robot that does what it is told, or one as it comes out of a workshop (slip, lag, a crooked camera, "
+        "noise: data/hardware/honest.yaml), of which nobody tells the coordinator."
+    ),
+]
 ProfileOption = Annotated[
     Profile,
     typer.Option(help="The law that drives: as published, or around a feed-forward of the leader's motion."),

@@ -80,8 +80,7 @@ def run_in_process(
                 result = (
                     driver.step(frame, frame.utime) if frame is not None else drawn.answer(world, robot.name, driver)
                 )
-                latency_s = world.scenario.robot(robot.name).camera.latency_s
-                world.command(robot.name, result.command, time_s + latency_s)
+                world.command(robot.name, result.command, time_s + world.latency_s(robot.name))
                 answers[robot.name] = result
                 reports[robot.name].append(FrameReport.from_step(result))
             answer = answers[robot.name]

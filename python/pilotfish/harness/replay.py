@@ -44,6 +44,6 @@ def replay_camera(
                 linear_mps=float(recording.command_linear_mps[index]),
                 angular_radps=float(recording.command_angular_radps[index]),
             )
-            world.command(follower.name, twist, time_s + follower.latency_s)
+            world.command(follower.name, twist, time_s + world.latency_s(follower.name))
         if on_progress:
             on_progress(index + 1, len(own))

@@ -20,7 +20,6 @@ class FollowingRobot:
     leader: str
     coordinator_file: Path
     setpoint: Setpoint  # the scenario's if it says one, else that of the coordinator's own file
-    latency_s: float  # from the exposure of a picture to the moment the command that answers it acts
 
 
 @dataclass(frozen=True)
@@ -82,5 +81,4 @@ def _following_robot(spec: sim.RobotSpec) -> FollowingRobot:
         leader=spec.follows,
         coordinator_file=Path(spec.coordinator_file),
         setpoint=spec.setpoint if spec.setpoint is not None else own,
-        latency_s=spec.camera.latency_s,
     )
