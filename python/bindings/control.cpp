@@ -102,6 +102,11 @@ void bind_estimator(py::module_& m) {
       .def_property_readonly("probabilities", &LeaderMotionEstimator::probabilities,
                              "of the modes: quiescent, manoeuvre, abrupt")
       .def_property_readonly(
+          "own_position_sigma", [](const LeaderMotionEstimator& self) { return self.own_noise().sigma(); },
+          "how far the robot strays from its dead reckoning along the line of sight [m per sqrt(s)], as learned so "
+          "far; "
+          "0 until enough is known")
+      .def_property_readonly(
           "excess_sigma",
           [](const LeaderMotionEstimator& self) { return DoubleArray(3, self.noise().excess_sigma().data()); },
           "(3,): what the measurements scatter beyond their covariance, as learned so far: along the line of sight "

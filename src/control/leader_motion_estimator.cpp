@@ -114,6 +114,7 @@ LeaderMotionEstimator::Outcome LeaderMotionEstimator::update(const Observation& 
       Eigen::LLT<Eigen::Matrix3d>(z.covariance).info() != Eigen::Success)
     return Outcome::unusable;
   noise_.add({seen.utime, z.mean, z.covariance, b});
+  own_noise_.add(seen.utime, z.mean.head<2>(), b);
   z.covariance += noise_.excess_covariance(b);
   const Measurement first = z;
 
@@ -238,12 +239,16 @@ LeaderEstimate LeaderMotionEstimator::predicted(int mode, double dt_s) const noe
     changed.covariance(kVelocity, kVelocity) += velocity * velocity * dt_s;
     changed.covariance(kVelocity + 1, kVelocity + 1) += velocity * velocity * dt_s;
     changed.covariance(kTurn, kTurn) += turn * turn * dt_s;
-    return predict_leader(changed, 0.0, 0.0, config_.own_position_sigma, dt_s);
+    return predict_leader(changed, 0.0, 0.0, own_position_sigma(), dt_s);
   }
   const bool quiescent = mode == kQuiescent;
   return predict_leader(modes_[mode], quiescent ? config_.quiescent_velocity_sigma : config_.manoeuvre_velocity_sigma,
-                        quiescent ? config_.quiescent_turn_sigma : config_.manoeuvre_turn_sigma,
-                        config_.own_position_sigma, dt_s);
+                        quiescent ? config_.quiescent_turn_sigma : config_.manoeuvre_turn_sigma, own_position_sigma(),
+                        dt_s);
+}
+
+double LeaderMotionEstimator::own_position_sigma() const noexcept {
+  return std::max(config_.own_position_sigma, own_noise_.sigma());
 }
 
 LeaderEstimate LeaderMotionEstimator::at(std::int64_t utime) const noexcept {

@@ -175,8 +175,13 @@ def test_any_scenario_can_be_played_with_any_hardware():
 def test_an_honest_robot_is_followed_and_its_crooked_camera_is_seen_in_the_bearing():
     """anticipate: on an ideal robot 0.0 mm and 0.00 degrees. Here the camera looks 0.5 degrees to the left of where its
     mounting says, which nobody can see from within; its focal length and tilt cost some millimetres."""
-    metrics = run_experiment(LINE.on_honest_robot(), "anticipate", "in-process", duration_s=12.0).metrics
+    result = run_experiment(LINE.on_honest_robot(), "anticipate", "in-process", duration_s=16.0)
+    metrics = result.metrics
     assert metrics.frames_detected_ratio == 1.0
     assert metrics.settling_time_s < 5.0
     assert abs(metrics.steady_state_error_m) < 0.010
     assert metrics.mean_bearing_error_deg == pytest.approx(0.5, abs=0.1)
+    # From 10 s on the leader is followed at constant speed. Slip and wheel steps made 5.9 m/s3 of that before what the
+    # robot strays was learned; a command that scatters by 0.3 mm/s from frame to frame has 0.3e-3 x sqrt(6) x 30^2 = 0.7.
+    steady_mps = result.recording.command_linear_mps[300:]
+    assert np.sqrt(np.mean((np.diff(steady_mps, 2) * 30.0**2) ** 2)) < 1.5

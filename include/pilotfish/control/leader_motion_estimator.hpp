@@ -6,6 +6,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/measurement_noise.hpp"
+#include "pilotfish/control/own_motion_noise.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
 #include "pilotfish/core/planar_motion.hpp"
@@ -25,7 +26,8 @@ struct LeaderMotionConfig {
   PILOTFISH_PARAMETER(double, abrupt_velocity_sigma, 1.5, 1e-5, 10.0, "abrupt mode (stops dead, starts): the same");
   PILOTFISH_PARAMETER(double, abrupt_turn_sigma, 3.0, 1e-5, 100.0, "abrupt mode (stops dead, starts): the same");
   PILOTFISH_PARAMETER(double, change_rate_per_s, 0.2, 1e-4, 30.0, "how often a leader passes from one to another");
-  PILOTFISH_PARAMETER(double, own_position_sigma, 0.0002, 0.0, 1.0, "error of the own dead reckoning [m per sqrt(s)]");
+  PILOTFISH_PARAMETER(double, own_position_sigma, 0.0002, 0.0, 1.0,
+                      "error of the own dead reckoning [m per sqrt(s)], if no more is learned");
   PILOTFISH_PARAMETER(double, gate_sigma, 6.0, 3.0, 100.0, "a measurement farther off than this is an outlier");
   PILOTFISH_PARAMETER(int, max_outliers, 3, 1, 30, "this many outliers in a row restart the estimate");
   PILOTFISH_PARAMETER(double, memory_s, 1.0, 0.0, 10.0,
@@ -77,6 +79,7 @@ class LeaderMotionEstimator {
   void reset() noexcept {  ///< without a leader again; the learned noise stays
     started_ = false;
     noise_.interrupt();
+    own_noise_.interrupt();
   }
 
   bool started() const { return started_; }      ///< there is an estimate
@@ -87,10 +90,12 @@ class LeaderMotionEstimator {
   const std::array<double, 3>& probabilities() const { return probability_; }
   /// What the measurements scatter beyond their claimed covariance, as learned so far.
   const MeasurementNoise& noise() const { return noise_; }
+  /// How far the robot strays from its dead reckoning, as learned so far.
+  const OwnMotionNoise& own_noise() const { return own_noise_; }
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.modes_, self.probability_, self.utime_, self.started_, self.outliers_, self.noise_);
+    archive(self.modes_, self.probability_, self.utime_, self.started_, self.outliers_, self.noise_, self.own_noise_);
   }
 
  private:
@@ -102,6 +107,7 @@ class LeaderMotionEstimator {
   void mix(double dt_s) noexcept;
   double correct(const Measurement& z, double dt_s) noexcept;
   LeaderEstimate predicted(int mode, double dt_s) const noexcept;
+  double own_position_sigma() const noexcept;
 
   LeaderMotionConfig config_;
   std::array<LeaderEstimate, 3> modes_;
@@ -110,6 +116,7 @@ class LeaderMotionEstimator {
   bool started_ = false;
   int outliers_ = 0;
   MeasurementNoise noise_;
+  OwnMotionNoise own_noise_;
 };
 
 /// The leader relative to a pose of the coordinator: the law's input.
