@@ -9,6 +9,8 @@
 namespace pilotfish::sim {
 namespace {
 
+constexpr int kWhite = 4080;  ///< gray 255 in 1/16
+
 /// z with Phi(z) = p for p >= 1/2, by Newton from z = 0: Phi is concave there, so the steps come from below and stop.
 double normal_quantile(double p) {
   double z = 0.0;
@@ -38,10 +40,10 @@ NoiseTable::NoiseTable(double sigma, double shot, double gamma) : even_(shot == 
     const double here = std::sqrt(sigma * sigma + shot * shot * static_cast<double>(gray) / 255.0);
     scale_[gray] = largest > 0.0 ? static_cast<std::int32_t>(std::lround(256.0 * here / largest)) : 0;
   }
-  response_.resize(16 * 255 + 1);
+  response_.resize(kWhite + 1);
   for (std::size_t i = 0; i < response_.size(); ++i)
     response_[i] =
-        static_cast<std::uint8_t>(std::lround(255.0 * std::pow(static_cast<double>(i) / (16.0 * 255.0), 1.0 / gamma)));
+        static_cast<std::uint8_t>(std::lround(255.0 * std::pow(static_cast<double>(i) / kWhite, 1.0 / gamma)));
 }
 
 void NoiseTable::expose(const std::vector<std::uint16_t>& grays, double gain, std::uint64_t seed,
@@ -55,7 +57,7 @@ void NoiseTable::expose(const std::vector<std::uint16_t>& grays, double gain, st
     const std::int64_t at = std::clamp<std::int64_t>(light >> 8, 0, 255);
     const std::int64_t noise =
         (static_cast<std::int64_t>(table_[random.next() & ((1U << kBits) - 1U)]) * scale_[at]) >> 8;
-    pixels[i] = response_[static_cast<std::size_t>(std::clamp<std::int64_t>((light + noise + 8) >> 4, 0, 16 * 255))];
+    pixels[i] = response_[static_cast<std::size_t>(std::clamp<std::int64_t>((light + noise + 8) >> 4, 0, kWhite))];
   }
 }
 

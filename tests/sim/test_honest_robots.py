@@ -181,7 +181,7 @@ def test_an_honest_robot_is_followed_and_its_crooked_camera_is_seen_in_the_beari
     assert metrics.settling_time_s < 5.0
     assert abs(metrics.steady_state_error_m) < 0.010
     assert metrics.mean_bearing_error_deg == pytest.approx(0.5, abs=0.1)
-    # From 10 s on the leader is followed at constant speed. Slip and wheel steps made 5.9 m/s3 of that before what the
-    # robot strays was learned; a command that scatters by 0.3 mm/s from frame to frame has 0.3e-3 x sqrt(6) x 30^2 = 0.7.
+    # From 10 s on the leader is followed at constant speed. Slip and wheel steps made 5.9 m/s3 of that before the robot
+    # learned how far it strays; a command that scatters by 0.3 mm/s has 0.3e-3 x sqrt(6) x 30^2 = 0.7.
     steady_mps = result.recording.command_linear_mps[300:]
     assert np.sqrt(np.mean((np.diff(steady_mps, 2) * 30.0**2) ** 2)) < 1.5

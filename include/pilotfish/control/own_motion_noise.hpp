@@ -42,7 +42,7 @@ class OwnMotionNoise {
   }
 
   static constexpr std::size_t kWindow = 120;   ///< samples, 4 s at 30 Hz
-  static constexpr std::size_t kFewest = 90;    ///< fewer say nothing
+  static constexpr std::size_t kFewest = 60;    ///< fewer say nothing
   static constexpr double kLongestGap_s = 0.5;  ///< over a longer one a leader can do anything
   static constexpr double kMargin = 1.3;        ///< see above
   static constexpr double kMax = 0.002;  ///< more [m per sqrt(s)] would take too much of what the leader does for it
