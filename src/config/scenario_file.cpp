@@ -110,7 +110,9 @@ sim::Scenario read_scenario(const TextFile& file, int like) {
   sim::Scenario scenario;
   const bool other = root.optional("like");
   if (other) {
-    if (like == kMaxLike) throw root.error("like", "names a file that is like another, and so on, too often");
+    if (like == kMaxLike)
+      throw root.error("like", "is one too many: a file may be like another, and that like a third, " +
+                                   std::to_string(kMaxLike) + " times in all; is one of them like itself?");
     scenario = read_scenario(root.file("like"), like + 1);
   }
   if (!root.has("name")) throw root.error("name", "is missing");
@@ -135,6 +137,9 @@ sim::Scenario parse_scenario(const TextFile& file) {
 }
 
 void apply_hardware(const TextFile& file, sim::Scenario& scenario) {
+  sim::RobotSpec any;  // so that a mistake is found though no robot of the scenario is concerned
+  any.camera.emplace();
+  read_hardware(file, any);
   for (sim::RobotSpec& robot : scenario.robots)
     if (!robot.follows.empty()) read_hardware(file, robot);
 }

@@ -62,7 +62,10 @@ void Scenario::validate() const {
       check_ranges(*robot.camera, key + ".camera");
       if (robot.camera->latency_jitter_s > robot.camera->latency_s)
         throw ConfigError(key + ".camera.latency_jitter_s",
-                          "is more than latency_s: a command cannot act before its picture");
+                          std::to_string(robot.camera->latency_jitter_s) + " is more than latency_s (" +
+                              std::to_string(robot.camera->latency_s) +
+                              "), as its camera section or its hardware file has them: a command cannot act before its "
+                              "picture");
       check_ranges(robot.camera->mounting, key + ".camera.mounting");
       check_ranges(robot.camera->imperfections, key + ".camera");
     }

@@ -161,6 +161,12 @@ def test_a_wrong_key_of_the_hardware_is_named_with_its_file(tmp_path):
     assert "slip_sigma" in str(refused.value)  # what there is
 
 
+def test_a_wrong_key_of_the_hardware_is_found_though_nobody_follows(tmp_path):
+    written(tmp_path, "worn", "camera: {gama: 2.2}\n")
+    with pytest.raises(ValueError, match=r"camera\.gama"):
+        sim.load_scenario(written(tmp_path, "alone", "name: alone\nhardware: worn.yaml\nrobots:\n  - name: leader\n"))
+
+
 def test_a_scenario_like_itself_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="like: names a file that is like another, and so on, too often"):
+    with pytest.raises(ValueError, match=r"like: is one too many: .* 4 times in all"):
         sim.load_scenario(written(tmp_path, "ouroboros", "name: ouroboros\nlike: ouroboros.yaml\n"))

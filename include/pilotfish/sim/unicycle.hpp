@@ -26,7 +26,8 @@ struct DriveConfig {
   PILOTFISH_PARAMETER(double, actuator_lag_s, 0.1, 0.0, 5.0, "time constant of the wheels; 0: none");
   PILOTFISH_PARAMETER(double, command_timeout_s, 0.2, 0.0, 60.0,
                       "a command that is not renewed for so long is taken as zero; 0: never");
-  PILOTFISH_PARAMETER(double, linear_gain, 1.0, 0.5, 1.5, "real speed over the one that the driver was told");
+  PILOTFISH_PARAMETER(double, linear_gain, 1.0, 0.5, 1.5,
+                      "real speed over the one that the driver was told, which the top speed bounds");
   PILOTFISH_PARAMETER(double, angular_gain, 1.0, 0.5, 1.5, "real turn rate over the one that the driver was told");
   PILOTFISH_PARAMETER(double, wheel_step_mps, 0.0, 0.0, 1.0, "a wheel's speed can be set in such steps; 0: to any");
   PILOTFISH_PARAMETER(double, track_width_m, 0.3, 0.01, 5.0, "between the wheels; matters for wheel_step_mps alone");
