@@ -3,6 +3,9 @@
 import subprocess
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.not_sanitized("runs a program of build/release")
 PERIOD_US = 1_000_000
 
 

@@ -16,6 +16,7 @@ def counter(tmp_path_factory):
     return compile_program(tmp_path_factory.mktemp("allocations"), [source, *module], "-O1", f"-I{ROOT / 'include'}")
 
 
+@pytest.mark.not_sanitized("counts what the sanitizer's own allocator does")
 @pytest.mark.parametrize("sets", ["ordered", "Gaussians"])
 def test_200_000_evaluations_allocate_nothing(counter, sets):
     answer = subprocess.run([counter, sets], check=True, capture_output=True, text=True, timeout=120).stdout.split()

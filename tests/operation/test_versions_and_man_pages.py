@@ -55,6 +55,7 @@ def test_a_man_page_has_every_option_the_exit_codes_the_files_and_examples(progr
         assert f".B {code}\n" in page
 
 
+@pytest.mark.not_sanitized("groff does not run with a sanitizer loaded in front of it")
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_a_man_page_can_be_read(program, tmp_path):
     """groff says nothing about it, not even a warning."""
