@@ -17,7 +17,7 @@ def save_result(result: Result, out: Path) -> list[Path]:
     experiment, profile = result.experiment, result.profile
     stem = f"{experiment.name}_{profile}"
     title = f"{experiment.title} ({profile})"
-    error_title = f"{title}: distance error, as in the paper's {experiment.figure}"
+    error_title = f"{title}: distance error ({experiment.figure})"
     return [
         result.recording.to_csv(out / f"{stem}.csv"),
         save(draw_distance_error(result.recording, error_title), out / f"{stem}_distance_error.png"),
