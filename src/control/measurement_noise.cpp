@@ -1,11 +1,10 @@
 #include "pilotfish/control/measurement_noise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "pilotfish/core/angles.hpp"
-#include "pilotfish/core/utime.hpp"
+#include "recent_samples.hpp"
 #include "third_difference.hpp"
 
 namespace pilotfish::control {
@@ -22,13 +21,7 @@ Eigen::Matrix3d from_line_of_sight(double angle_rad) {
 }  // namespace
 
 void MeasurementNoise::add(const LeaderFix& fix) noexcept {
-  if (!fixes_.empty()) {
-    const double passed_s = seconds_between(fixes_.back().utime, fix.utime);
-    if (!(passed_s > 0.0) || passed_s > kLongestGap_s) fixes_.clear();
-  }
-  if (fixes_.full()) fixes_.pop_front();
-  fixes_.push_back(fix);
-  if (!fixes_.full()) return;
+  if (!append_in_time(fixes_, fix, kLongestGap_s)) return;
 
   const auto [weight, norm2] = third_difference(fixes_);
   Eigen::Vector3d residual = Eigen::Vector3d::Zero();
@@ -48,11 +41,7 @@ void MeasurementNoise::add(const LeaderFix& fix) noexcept {
   if (samples_.size() < kFewest) return;
 
   const auto median = [this](Eigen::Vector3d Sample::*of, int axis) {
-    std::array<double, kWindow> values;
-    std::size_t count = 0;
-    for (const Sample& each : samples_) values[count++] = (each.*of)(axis);
-    std::nth_element(values.begin(), values.begin() + count / 2, values.begin() + count);
-    return values[count / 2];
+    return quantile<kWindow>(samples_, 0.5, [of, axis](const Sample& each) { return (each.*of)(axis); });
   };
   const Eigen::Vector3d most(kMax_m * kMax_m, kMax_m * kMax_m, kMax_rad * kMax_rad);
   for (int axis = 0; axis < 3; ++axis) {

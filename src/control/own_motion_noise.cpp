@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pilotfish/core/utime.hpp"
+#include "recent_samples.hpp"
 #include "third_difference.hpp"
 
 namespace pilotfish::control {
@@ -29,13 +30,7 @@ OwnMotionNoise::Difference OwnMotionNoise::difference(std::size_t stride,
 }
 
 void OwnMotionNoise::add(std::int64_t utime, const Eigen::Vector2d& leader_m, double line_of_sight_rad) noexcept {
-  if (!places_.empty()) {
-    const double passed_s = seconds_between(places_.back().utime, utime);
-    if (!(passed_s > 0.0) || passed_s > kLongestGap_s) places_.clear();
-  }
-  if (places_.full()) places_.pop_front();
-  places_.push_back({utime, leader_m});
-  if (!places_.full()) return;
+  if (!append_in_time(places_, Place{utime, leader_m}, kLongestGap_s)) return;
 
   const Eigen::Vector2d line_of_sight(std::cos(line_of_sight_rad), std::sin(line_of_sight_rad));
   const Difference near = difference(1, line_of_sight), far = difference(kStride, line_of_sight);
@@ -44,18 +39,13 @@ void OwnMotionNoise::add(std::int64_t utime, const Eigen::Vector2d& leader_m, do
   samples_.push_back({near.squared_m2, near.walk_s, far.squared_m2, far.walk_s});
   if (samples_.size() < kFewest) return;
 
-  const auto quantile = [this](double Sample::*of, double share) {
-    std::array<double, kWindow> values{};
-    std::size_t count = 0;
-    for (const Sample& each : samples_) values[count++] = each.*of;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(count));
-    std::nth_element(values.begin(), at, values.begin() + static_cast<std::ptrdiff_t>(count));
-    return *at;
+  const auto quantile_of = [this](double Sample::*of, double share) {
+    return quantile<kWindow>(samples_, share, [of](const Sample& each) { return each.*of; });
   };
-  const double far_m2 = quantile(&Sample::far_m2, kQuantile) / kQuantileOfChiSquare;
-  const double near_m2 = quantile(&Sample::near_m2, kQuantile) / kQuantileOfChiSquare;
+  const double far_m2 = quantile_of(&Sample::far_m2, kQuantile) / kQuantileOfChiSquare;
+  const double near_m2 = quantile_of(&Sample::near_m2, kQuantile) / kQuantileOfChiSquare;
   const double beyond_m2 = far_m2 - kMargin * near_m2;
-  const double walk_s = quantile(&Sample::far_s, 0.5) - kMargin * quantile(&Sample::near_s, 0.5);
+  const double walk_s = quantile_of(&Sample::far_s, 0.5) - kMargin * quantile_of(&Sample::near_s, 0.5);
   sigma_ = beyond_m2 > 0.0 && walk_s > 0.0 ? std::min(std::sqrt(beyond_m2 / walk_s), kMax) : 0.0;
 }
 
