@@ -14,7 +14,7 @@ from pilotfish.cli.options import DurationOption, Law, Profiles, ProfilesOption,
 
 if TYPE_CHECKING:
     from pilotfish.camera_view import CameraView
-    from pilotfish.experiments import Result
+    from pilotfish.experiments import Experiment, Result
 
 GIF_FRAMES = 60
 
@@ -39,19 +39,17 @@ def demo(
     from pilotfish.plots.style import save
 
     with friendly_errors():
-        results, written = [], []
-        for experiment in EXPERIMENTS.values():
-            for driver in drivers_of(profile, Law.fuzzy):
-                with progress(f"{experiment.title}, {driver}, over LCM") as step:
-                    result = run_experiment(experiment, driver, duration_s=duration_s, on_progress=step)
-                results.append(result)
-                written += save_result(result, out)
-        honest = []
-        for experiment in [experiment.on_honest_robot() for experiment in EXPERIMENTS.values()]:
-            driver = drivers_of(profile, Law.fuzzy)[-1]
+        written: list[Path] = []
+
+        def play(experiment: Experiment, driver: str) -> Result:
             with progress(f"{experiment.title}, {driver}, over LCM") as step:
-                honest.append(run_experiment(experiment, driver, duration_s=duration_s, on_progress=step))
-            written += save_result(honest[-1], out)
+                result = run_experiment(experiment, driver, duration_s=duration_s, on_progress=step)
+            written.extend(save_result(result, out))
+            return result
+
+        drivers = drivers_of(profile, Law.fuzzy)
+        results = [play(experiment, driver) for experiment in EXPERIMENTS.values() for driver in drivers]
+        honest = [play(experiment.on_honest_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
         summaries = []
         for title, by_name in by_experiment(results).items():
             shown = list(by_name.values())[-1]
