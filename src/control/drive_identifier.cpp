@@ -18,6 +18,7 @@ constexpr double kMedianOfTwo = 1.3862944;        // of chi-square with two degr
 constexpr double kBounded = 9.0;                  // rho(x) = x / (1 + x / kBounded)
 constexpr double kSharpest = 50.0;                // evidence between neighbours beyond which old evidence fades,
 constexpr double kFading_s = 5.0;                 // with this time constant: a drive can change
+constexpr double kRhythm_s = 4.0;                 // time constant with which a rhythm of the leader is forgotten
 
 double latency_at(double index) { return Identifier::kFirstLatency_s + Identifier::kLatencyStep_s * index; }
 double lag_at(double index) { return Identifier::kLagScale_s * std::expm1(Identifier::kLagRatio * index); }
@@ -37,8 +38,8 @@ DriveIdentifier::DriveIdentifier(const DriveModelConfig& configured, const Limit
           (static_cast<double>(j) - index_of_lag(configured.actuator_lag_s)) * kLagRatio / kPriorLagSigma;
       log_probability(i, j) = -0.5 * (latency * latency + lag * lag);
     }
-  estimate_.latency_s = configured.latency_s;
-  estimate_.actuator_lag_s = configured.actuator_lag_s;
+  estimate_.latency_s = reference_latency_s_ = configured.latency_s;
+  estimate_.actuator_lag_s = reference_lag_s_ = configured.actuator_lag_s;
   forget_sigmas();
 }
 
@@ -70,9 +71,9 @@ void DriveIdentifier::observe(std::int64_t utime, double distance_m, double bear
   if (!seen_.empty() && seconds_between(seen_.back().utime, utime) < kStored_s) return;
   if (seen_.full()) seen_.pop_front();
   seen_.push_back({utime, distance_m * std::cos(bearing_rad), distance_m * std::sin(bearing_rad)});
-  Four four;
-  if (since_last_s >= kLongestGap_s || !pick(four)) return;
-  weigh(four, std::min(since_last_s, kSpacing_s));
+  Pictures pictures;
+  if (since_last_s >= kLongestGap_s || !pick(pictures)) return;
+  weigh(pictures, std::min(since_last_s, kSpacing_s));
   update_estimate();
 }
 
@@ -131,61 +132,81 @@ void DriveIdentifier::store_node() noexcept {
   ++nodes_made_;
 }
 
-/// The latest picture and those nearest to one, two and three spacings before it; false unless there are any, and the
+/// The latest picture and those nearest to one, two and more spacings before it; false unless there are any, and the
 /// paths reach back to them.
-bool DriveIdentifier::pick(Four& four) const noexcept {
-  four[3] = seen_.back();
-  for (int back = 1; back <= 3; ++back) {
-    const double wanted_s = back * kSpacing_s;
+bool DriveIdentifier::pick(Pictures& pictures) const noexcept {
+  const Seen& latest = seen_.back();
+  pictures.back() = latest;
+  for (std::size_t back = 1; back < kPictures; ++back) {
+    const double wanted_s = static_cast<double>(back) * kSpacing_s;
     const Seen* nearest = seen_.begin();
     for (const Seen& each : seen_)
-      if (std::abs(seconds_between(each.utime, four[3].utime) - wanted_s) <
-          std::abs(seconds_between(nearest->utime, four[3].utime) - wanted_s))
+      if (std::abs(seconds_between(each.utime, latest.utime) - wanted_s) <
+          std::abs(seconds_between(nearest->utime, latest.utime) - wanted_s))
         nearest = &each;
-    if (std::abs(seconds_between(nearest->utime, four[3].utime) - wanted_s) > 0.4 * kSpacing_s) return false;
-    four[3 - back] = *nearest;
+    if (std::abs(seconds_between(nearest->utime, latest.utime) - wanted_s) > 0.4 * kSpacing_s) return false;
+    pictures[kPictures - 1 - back] = *nearest;
   }
   const double stored_s = kNode_s * (static_cast<double>(std::min<std::uint64_t>(nodes_made_, kNodes)) - 1.0);
   const double longest_s = latency_at(static_cast<double>(kLatencies - 1));
-  return seconds_between(four[0].utime, node_utime_) + longest_s < stored_s - kNode_s;
+  return seconds_between(pictures.front().utime, node_utime_) + longest_s < stored_s - kNode_s;
 }
 
-void DriveIdentifier::weigh(const Four& four, double since_last_s) noexcept {
-  const auto [weight, norm2] = third_difference(four);
+void DriveIdentifier::weigh(const Pictures& pictures, double since_last_s) noexcept {
+  std::array<ThirdDifference, 3> difference;  // r, r' and r'': of the last four, of those one earlier, two earlier
+  for (std::size_t n = 0; n < 3; ++n) {
+    std::array<Seen, 4> four;
+    std::copy_n(pictures.begin() + static_cast<std::ptrdiff_t>(2 - n), 4, four.begin());
+    difference[n] = third_difference(four);
+    for (double& each : difference[n].weight) each /= std::sqrt(difference[n].norm2);
+  }
+  const double counts = since_last_s / (1.5 * kSpacing_s), keep = std::exp(-since_last_s / kRhythm_s);
   std::array<double, kLatencies * kLags> squared;
   for (std::size_t latency = 0; latency < kLatencies; ++latency) {
-    std::array<double, kLags> x{}, y{};
-    for (std::size_t i = 0; i < 4; ++i) {
+    std::array<std::array<LeaderRhythm::Planar, 3>, kLags> r{};
+    for (std::size_t i = 0; i < kPictures; ++i) {
       // How many nodes before the last one the robot was, for this latency, where the picture was taken.
       const double back =
-          (seconds_between(four[i].utime, node_utime_) + latency_at(static_cast<double>(latency))) / kNode_s;
+          (seconds_between(pictures[i].utime, node_utime_) + latency_at(static_cast<double>(latency))) / kNode_s;
       const auto whole = static_cast<std::uint64_t>(back);
       const double part = back - static_cast<double>(whole);
       const Row& after = nodes_[(nodes_made_ - 1 - whole) % kNodes];
       const Row& before = nodes_[(nodes_made_ - 2 - whole) % kNodes];
-      const double a = weight[i] * (1.0 - part), b = weight[i] * part;
-      const double forward = four[i].forward_m, left = four[i].left_m;
+      const double a = 1.0 - part, b = part;
+      const double forward = pictures[i].forward_m, left = pictures[i].left_m;
       for (std::size_t j = 0; j < kLags; ++j) {
         const Place &p = after[j], &q = before[j];
-        x[j] += a * (p.x_m + p.cosine * forward - p.sine * left) + b * (q.x_m + q.cosine * forward - q.sine * left);
-        y[j] += a * (p.y_m + p.sine * forward + p.cosine * left) + b * (q.y_m + q.sine * forward + q.cosine * left);
+        const double x =
+            a * (p.x_m + p.cosine * forward - p.sine * left) + b * (q.x_m + q.cosine * forward - q.sine * left);
+        const double y =
+            a * (p.y_m + p.sine * forward + p.cosine * left) + b * (q.y_m + q.sine * forward + q.cosine * left);
+        for (std::size_t n = 0; n < 3; ++n) {
+          if (i + n < 2 || i + n > 5) continue;  // r^(n) is made of pictures 2 - n to 5 - n
+          r[j][n].x_m += difference[n].weight[i + n - 2] * x;
+          r[j][n].y_m += difference[n].weight[i + n - 2] * y;
+        }
       }
     }
-    for (std::size_t j = 0; j < kLags; ++j) squared[latency * kLags + j] = (x[j] * x[j] + y[j] * y[j]) / norm2;
+    for (std::size_t j = 0; j < kLags; ++j) {
+      const std::size_t k = latency * kLags + j;
+      squared[k] = rhythms_[k].unexplained_m2(r[j], counts, keep);
+    }
   }
 
   auto* best = std::max_element(log_probability_.begin(), log_probability_.end());
   if (squares_.full()) squares_.pop_front();
   squares_.push_back(squared[static_cast<std::size_t>(best - log_probability_.begin())]);
-  std::array<double, kSquares> sorted;
+  std::array<double, kSquares> sorted{};
   std::copy(squares_.begin(), squares_.end(), sorted.begin());
   auto* middle = sorted.begin() + squares_.size() / 2;
   std::nth_element(sorted.begin(), middle, sorted.begin() + squares_.size());
   const double variance_m2 = std::max(*middle / kMedianOfTwo, kSmallest_m2);
-  const double counts = since_last_s / (1.5 * kSpacing_s);
+  const double remains = std::exp(-since_last_s / kFading_s);
   for (std::size_t k = 0; k < squared.size(); ++k) {
     const double x = squared[k] / variance_m2;
-    log_probability_[k] -= 0.5 * counts * x / (1.0 + x / kBounded);
+    const double cost = 0.5 * counts * x / (1.0 + x / kBounded);
+    log_probability_[k] -= cost;
+    cost_[k] = remains * cost_[k] + cost;
   }
   best = std::max_element(log_probability_.begin(), log_probability_.end());
   const double most = *best;
@@ -194,7 +215,7 @@ void DriveIdentifier::weigh(const Four& four, double since_last_s) noexcept {
   const std::size_t below = index >= kLags ? index - kLags : index + kLags;
   const std::size_t above = index + kLags < squared.size() ? index + kLags : index - kLags;
   if (std::max(log_probability_[below], log_probability_[above]) < -kSharpest)
-    for (double& each : log_probability_) each *= std::exp(-since_last_s / kFading_s);
+    for (double& each : log_probability_) each *= remains;
 }
 
 /// With p the logarithm of the probability around the best node, p(i, j) = p0 + g.(i, j) + (i, j) H (i, j) / 2: the
@@ -218,19 +239,29 @@ void DriveIdentifier::update_estimate() noexcept {
   estimate_.latency_sigma_s = std::min(kLatencyStep_s * std::sqrt(-hjj / determinant), kPriorLatencySigma_s);
   estimate_.actuator_lag_sigma_s = (lag_s + kLagScale_s) * relative_lag_sigma;
 
-  // The settings' probability is that of the nodes around them.
+  // What is in use is as probable as the most probable place around it, and costs as much as the cheapest.
   const auto near = [](double at, std::size_t count) {
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 2)));
   };
-  const std::size_t ci = near(index_of_latency(configured_.latency_s), kLatencies);
-  const std::size_t cj = near(index_of_lag(configured_.actuator_lag_s), kLags);
-  const double settings = std::max({log_probability(ci, cj), log_probability(ci + 1, cj), log_probability(ci, cj + 1),
-                                    log_probability(ci + 1, cj + 1)});
+  const std::size_t first =
+      near(index_of_latency(reference_latency_s_), kLatencies) * kLags + near(index_of_lag(reference_lag_s_), kLags);
+  const std::array<std::size_t, 4> around{first, first + 1, first + kLags, first + kLags + 1};
+  double in_use = log_probability_[first], in_use_cost = cost_[first];
+  for (const std::size_t k : around) {
+    in_use = std::max(in_use, log_probability_[k]);
+    in_use_cost = std::min(in_use_cost, cost_[k]);
+  }
   const bool sure = estimate_.latency_sigma_s < kSure_latency_s && relative_lag_sigma < kSure_lag;
-  if (sure && settings < -kStrong) estimate_.differs_from_settings = true;
+  if (sure && in_use < -kStrong && in_use_cost > kTimes * cost_[index]) {
+    estimate_.differs_from_settings = true;
+    reference_latency_s_ = latency_s;
+    reference_lag_s_ = lag_s;
+  }
   if (!sure || !estimate_.differs_from_settings) return;
-  estimate_.latency_s = latency_s;
-  estimate_.actuator_lag_s = lag_s;
+  estimate_.latency_s =
+      std::clamp(latency_s, reference_latency_s_ - kLatencyStep_s, reference_latency_s_ + kLatencyStep_s);
+  const double at_lag = index_of_lag(reference_lag_s_);
+  estimate_.actuator_lag_s = std::clamp(lag_s, lag_at(at_lag - 1.0), lag_at(at_lag + 1.0));
 }
 
 }  // namespace pilotfish::control

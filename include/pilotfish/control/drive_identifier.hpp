@@ -6,6 +6,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/ego_motion.hpp"
+#include "pilotfish/control/leader_rhythm.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/bounded_vector.hpp"
 #include "pilotfish/core/planar_motion.hpp"
@@ -32,10 +33,24 @@ struct DriveEstimate {
 ///
 ///   r = sum w_i z_i / sqrt(sum w_i^2)
 ///
-/// adds -rho(r^2 / s^2) / 2 to the logarithm of each hypothesis' probability. s^2 is the median of r^2 under the best
-/// hypothesis, so nothing needs to be known of the camera; rho(x) = x / (1 + x / 9) (Geman and McClure, 1985) bounds
-/// what a leader that stops dead can say about the own wheels. Consecutive differences overlap, so a frame counts as dt
-/// / (1.5 kSpacing_s) of one.
+/// is zero but for noise. Unless the leader itself swings: then the robot behind it swings alike, and a wrong delay can
+/// cancel the swing. What is learned in a closed loop is right only if the model of what disturbs it is rich enough to
+/// contain the truth (Ljung, System Identification, 2nd ed., section 13.4). So each hypothesis may explain r by a
+/// rhythm of the leader, from r' and r'', the differences one and two spacings earlier:
+///
+///   e = r - f r' - g r'',
+///
+/// f and g by least squares over the last seconds, this one included (LeaderRhythm): what a rhythm could explain is no
+/// evidence. A sine of any frequency w, amplitude and direction has f = 2 cos(w kSpacing_s), g = -1 and leaves e = 0
+/// under every hypothesis; a change of the own speed is foretold by none. e adds -rho(e^2 / s^2) / 2 to the logarithm
+/// of the hypothesis' probability. s^2 is the median of e^2 under the best hypothesis, so nothing needs to be known of
+/// the camera; rho(x) = x / (1 + x / 9) (Geman and McClure, 1985) bounds what a leader that stops dead can say about
+/// the own wheels. Consecutive differences overlap, so a frame counts as dt / (1.5 kSpacing_s) of one.
+///
+/// A leader with two rhythms leaves e other than zero under the true delays, too, and evidence for wrong ones then
+/// grows without limit however slightly they are better. So evidence is not enough: over the last seconds the delays in
+/// use must also have cost kTimes what the best ones have. And what replaces them is used no further than one place of
+/// the grid from where that was so.
 ///
 /// The path with latency L is the one without, L earlier: so one path for each lag is enough. The estimate is the
 /// vertex of the parabola through the best hypothesis and its neighbours, its covariance the inverse of the curvature.
@@ -61,9 +76,10 @@ class DriveIdentifier {
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
     archive(self.started_, self.present_utime_, self.node_utime_, self.nodes_made_, self.set_value_, self.acting_,
-            self.pending_, self.present_, self.nodes_, self.seen_, self.squares_, self.log_probability_,
-            self.estimate_.latency_s, self.estimate_.actuator_lag_s, self.estimate_.latency_sigma_s,
-            self.estimate_.actuator_lag_sigma_s, self.estimate_.differs_from_settings);
+            self.pending_, self.present_, self.nodes_, self.seen_, self.squares_, self.rhythms_, self.log_probability_,
+            self.cost_, self.reference_latency_s_, self.reference_lag_s_, self.estimate_.latency_s,
+            self.estimate_.actuator_lag_s, self.estimate_.latency_sigma_s, self.estimate_.actuator_lag_sigma_s,
+            self.estimate_.differs_from_settings);
   }
 
   static constexpr std::size_t kLatencies = 16, kLags = 9;                   ///< of the grid
@@ -73,6 +89,7 @@ class DriveIdentifier {
   static constexpr double kNode_s = 0.01;                                    ///< of the stored paths
   static constexpr double kPriorLatencySigma_s = 0.1, kPriorLagSigma = 1.0;  ///< the lag's is of ln(lag + scale)
   static constexpr double kStrong = 3.0;                                     ///< evidence: e^3 times as probable
+  static constexpr double kTimes = 4.0;  ///< and that much better at explaining what was seen of late
   static constexpr double kSure_latency_s = 0.02, kSure_lag = 0.3;  ///< standard deviations; the lag's is relative
 
  private:
@@ -91,16 +108,19 @@ class DriveIdentifier {
     std::int64_t utime = 0;
     double forward_m = 0.0, left_m = 0.0;
   };
-  static constexpr std::size_t kNodes = 96;  // 3 kSpacing_s with slack, the longest latency, and one to interpolate
+  static constexpr std::size_t kNodes = 128;  // 5 kSpacing_s with slack, the longest latency, and one to interpolate
   static constexpr std::size_t kSquares = 30;
   using Row = std::array<Place, kLags>;
-  using Four = std::array<Seen, 4>;
+  static constexpr std::size_t kPictures = 6;  // of r, r' and r''
+  using Pictures = std::array<Seen, kPictures>;
+  template <class T>
+  using Grid = std::array<T, kLatencies * kLags>;
 
   void advance_to(std::int64_t utime) noexcept;
   void drive_for(double duration_s) noexcept;
   void store_node() noexcept;
-  bool pick(Four& four) const noexcept;
-  void weigh(const Four& four, double since_last_s) noexcept;
+  bool pick(Pictures& pictures) const noexcept;
+  void weigh(const Pictures& pictures, double since_last_s) noexcept;
   void update_estimate() noexcept;
   void forget_sigmas() noexcept;
   double& log_probability(std::size_t latency, std::size_t lag) noexcept {
@@ -116,9 +136,12 @@ class DriveIdentifier {
   BoundedVector<Command, 16> pending_;
   std::array<Wheels, kLags> present_{};
   std::array<Row, kNodes> nodes_{};
-  BoundedVector<Seen, 24> seen_;             ///< by time
-  BoundedVector<double, kSquares> squares_;  ///< r^2 of the best hypothesis [m^2]
-  std::array<double, kLatencies * kLags> log_probability_{};
+  BoundedVector<Seen, 32> seen_;             ///< by time
+  BoundedVector<double, kSquares> squares_;  ///< e^2 of the best hypothesis [m^2]
+  Grid<LeaderRhythm> rhythms_{};
+  Grid<double> log_probability_{};
+  Grid<double> cost_{};                                       ///< of each hypothesis, of late
+  double reference_latency_s_ = 0.0, reference_lag_s_ = 0.0;  ///< what was in use when it was last replaced
   DriveEstimate estimate_;
 };
 
