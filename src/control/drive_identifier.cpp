@@ -18,6 +18,7 @@ constexpr double kMedianOfTwo = 1.3862944;        // of chi-square with two degr
 constexpr double kBounded = 9.0;                  // rho(x) = x / (1 + x / kBounded)
 constexpr double kSharpest = 50.0;                // evidence between neighbours beyond which old evidence fades,
 constexpr double kFading_s = 5.0;                 // with this time constant: a drive can change
+constexpr double kRefined = 0.5;                  // places of the grid, without a new proof
 constexpr double kRhythm_s = 4.0;                 // time constant with which a rhythm of the leader is forgotten
 
 double latency_at(double index) { return Identifier::kFirstLatency_s + Identifier::kLatencyStep_s * index; }
@@ -258,10 +259,9 @@ void DriveIdentifier::update_estimate() noexcept {
     reference_lag_s_ = lag_s;
   }
   if (!sure || !estimate_.differs_from_settings) return;
-  estimate_.latency_s =
-      std::clamp(latency_s, reference_latency_s_ - kLatencyStep_s, reference_latency_s_ + kLatencyStep_s);
-  const double at_lag = index_of_lag(reference_lag_s_);
-  estimate_.actuator_lag_s = std::clamp(lag_s, lag_at(at_lag - 1.0), lag_at(at_lag + 1.0));
+  const double at_latency = index_of_latency(reference_latency_s_), at_lag = index_of_lag(reference_lag_s_);
+  estimate_.latency_s = std::clamp(latency_s, latency_at(at_latency - kRefined), latency_at(at_latency + kRefined));
+  estimate_.actuator_lag_s = std::clamp(lag_s, lag_at(at_lag - kRefined), lag_at(at_lag + kRefined));
 }
 
 }  // namespace pilotfish::control

@@ -49,8 +49,8 @@ struct DriveEstimate {
 ///
 /// A leader with two rhythms leaves e other than zero under the true delays, too, and evidence for wrong ones then
 /// grows without limit however slightly they are better. So evidence is not enough: over the last seconds the delays in
-/// use must also have cost kTimes what the best ones have. And what replaces them is used no further than one place of
-/// the grid from where that was so.
+/// use must also have cost kTimes what the best ones have. What replaces them moves no further than half a place of the
+/// grid from where that was so.
 ///
 /// The path with latency L is the one without, L earlier: so one path for each lag is enough. The estimate is the
 /// vertex of the parabola through the best hypothesis and its neighbours, its covariance the inverse of the curvature.

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 namespace {
 
@@ -13,16 +15,18 @@ using namespace pilotfish::control;
 using Identifier = DriveIdentifier;
 using Grid = std::array<double, Identifier::kLatencies * Identifier::kLags>;
 
-/// Of what the identifier remembers, replaces the logarithms of the probabilities.
+/// Of what the identifier remembers, replaces the logarithms of the probabilities, and behind them the recent costs.
 struct Belief {
   const Grid& grid;
+  const Grid& cost;
+  bool probabilities_are_replaced = false;
   template <class... T>
   void operator()(T&... values) {
     (replace(values), ...);
   }
   template <class T>
   void replace(T& value) {
-    if constexpr (std::is_same_v<T, Grid>) value = grid;
+    if constexpr (std::is_same_v<T, Grid>) value = std::exchange(probabilities_are_replaced, true) ? cost : grid;
   }
 };
 
@@ -47,8 +51,15 @@ Eigen::Matrix2d covariance_of(double latency, double lag, double correlation) {
 double latency_at(double place) { return Identifier::kFirstLatency_s + Identifier::kLatencyStep_s * place; }
 double lag_at(double place) { return Identifier::kLagScale_s * std::expm1(Identifier::kLagRatio * place); }
 
+/// What it all cost if the belief came of it just now, beside `common` for every place.
+Grid cost_of(const Grid& grid, double common) {
+  Grid cost;
+  std::transform(grid.begin(), grid.end(), cost.begin(), [&](double each) { return common - each; });
+  return cost;
+}
+
 /// What is estimated with that belief. Robot and leader stand, so that frames add nothing to it.
-DriveEstimate estimate_with(const Grid& grid, const DriveModelConfig& configured = {}) {
+DriveEstimate estimate_with(const Grid& grid, const DriveModelConfig& configured = {}, double common_cost = 0.0) {
   Identifier identifier(configured, {});
   std::int64_t utime = 0;
   const auto see = [&] {
@@ -56,7 +67,8 @@ DriveEstimate estimate_with(const Grid& grid, const DriveModelConfig& configured
     identifier.observe(utime += 33'333, 1.0, 0.1);
   };
   for (int k = 0; k < 60; ++k) see();
-  Belief belief{grid};
+  const Grid cost = cost_of(grid, common_cost);
+  Belief belief{grid, cost};
   Identifier::remember(identifier, belief);
   see();
   return identifier.estimate();
@@ -102,6 +114,18 @@ TEST(DriveIdentifier, KeepsSettingsThatAreNotMuchLessProbable) {
       estimate_with(gaussian({2.0, 4.0}, covariance_of(2.0 / 2.4, 0.6, 0.0)), configured).differs_from_settings);
   EXPECT_TRUE(
       estimate_with(gaussian({1.0, 4.0}, covariance_of(3.0 / 3.8, 0.6, 0.0)), configured).differs_from_settings);
+}
+
+TEST(DriveIdentifier, KeepsSettingsThatExplainAQuarterAsMuch) {
+  // Settings on a place of the grid, 4 standard deviations of the latency from the mean, which is on one, too: they
+  // have cost 8 more. With c for every place the costs are c + 8 and c: four times as much up to c = 8 / 3.
+  DriveModelConfig configured;
+  configured.latency_s = latency_at(4.0) + 1e-6;
+  configured.actuator_lag_s = lag_at(4.0) + 1e-6;
+  // The settings' four places include the next one nearer to or farther from the mean: here 4 and 5, and the mean is 2.
+  const Grid grid = gaussian({2.0, 4.0}, covariance_of(0.5, 0.6, 0.0));
+  EXPECT_TRUE(estimate_with(grid, configured, 2.5).differs_from_settings);
+  EXPECT_FALSE(estimate_with(grid, configured, 2.8).differs_from_settings);
 }
 
 }  // namespace
