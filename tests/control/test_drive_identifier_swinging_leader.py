@@ -28,15 +28,15 @@ def test_nor_does_one_whose_speed_swings(frequency_hz, amplitude_mps, heading_si
 
 
 def test_nor_does_one_that_does_both():
-    # Two rhythms, of which a hypothesis may explain one: evidence grows, but no hypothesis is four times as good. Before:
-    # a latency of 284 ms, and 26 instead of 13 mm.
+    # Two rhythms, of which a hypothesis may explain one: evidence grows, but no hypothesis is four times as good.
+    # Before: a latency of 284 ms, and 26 instead of 13 mm.
     drive, _ = follow_leader(sine(0.2, 0.1, 0.8), sine(0.0, 1.0, 0.5))
     assert (drive.latency_s, drive.actuator_lag_s) == TOLD
 
 
 def test_a_drive_that_was_identified_is_not_unlearned_behind_a_leader_that_weaves():
-    # 10 s of a leader that starts and stops identify a lag of 300 ms; then it weaves. Without a new proof the delays move
-    # by half a place of the grid: 10 ms, and (300 + 30) * (e^(0.39 / 2) - 1) = 71 ms. They were known to 5 ms and 10.
+    # 10 s of a leader that starts and stops identify a lag of 300 ms; then it weaves. Without a new proof the delays
+    # move by half a place of the grid: 10 ms, and (300 + 30) * (e^(0.39 / 2) - 1) = 71 ms. They were known to 5 ms and 10.
     def speed(time_s):
         return 0.2 if time_s > 10.0 or time_s % 4.0 > 1.0 else 0.0
 
