@@ -36,7 +36,7 @@ def test_nor_does_one_that_does_both():
 
 def test_a_drive_that_was_identified_is_not_unlearned_behind_a_leader_that_weaves():
     # 10 s of a leader that starts and stops identify a lag of 300 ms; then it weaves. Without a new proof the delays
-    # move by half a place of the grid: 10 ms, and (300 + 30) * (e^(0.39 / 2) - 1) = 71 ms. They were known to 5 ms and 10.
+    # move by half a place of the grid: 10 ms, and (300 + 30) * (e^(0.39 / 2) - 1) = 71 ms; known to 5 and 10 ms.
     def speed(time_s):
         return 0.2 if time_s > 10.0 or time_s % 4.0 > 1.0 else 0.0
 
