@@ -141,7 +141,8 @@ def main(words: list[str]) -> int:
     chosen = list(known) if "all" in options.names else options.names
     if options.no_build and not PYTHON.exists():
         parser.error("nothing was built yet: not with --no-build")
-    if not options.no_build:
+    only_asked = PYTHON.exists() and not {"-h", "--help"}.isdisjoint(arguments)  # answered by what is there
+    if not (options.no_build or only_asked):
         for script in ("setup", "build"):
             if code := subprocess.run([ROOT / "scripts" / script], check=False).returncode:
                 return code

@@ -54,6 +54,13 @@ def compiler_options(entry: dict[str, str]) -> tuple[str, ...]:
     return (entry["directory"], *options)
 
 
+def sources_of(file: Path) -> list[Path]:
+    """CMake's unity builds compile several sources as one, whose lines include them; any other file is one source."""
+    if file.parent.name != "Unity" or not file.name.startswith("unity_"):
+        return [file.resolve()]
+    return [Path(source).resolve() for source in re.findall(r'^#include "(.*)"', file.read_text(), re.MULTILINE)]
+
+
 class Groups:
     """The sources, together where folder and options are the same, and the database that clang-tidy reads."""
 
@@ -61,7 +68,8 @@ class Groups:
         self.folder = build / "tidy"
         self.options: dict[Path, tuple[str, ...]] = {}
         for entry in json.loads((build / "compile_commands.json").read_text()):
-            self.options.setdefault(Path(entry["file"]).resolve(), compiler_options(entry))
+            for source in sources_of(Path(entry["file"])):
+                self.options.setdefault(source, compiler_options(entry))
         unknown = [str(source) for source in sources if source not in self.options]
         if unknown:
             raise SystemExit(f"not in {build}/compile_commands.json, so not built there: {' '.join(unknown)}")

@@ -22,8 +22,13 @@ USE = re.compile(r"^\s+(PILOTFISH_\w+)\((PILOTFISH_\w+(?:, PILOTFISH_\w+)*)\)$")
 DECLARATION = re.compile(r"^(?:[\w:]+ )?\w+(?: = \w+|\{\})?[;,]$")
 
 SEVERAL = re.compile(
-    r"^(\s+)((?:double|Eigen::Vector3d|std::optional<std::string>)) ([\w .=]+(?:, [\w .=]+)+);(?:\s*///<.*)?$"
+    r"^(\s+)((?:static constexpr )?(?:double|std::size_t|Eigen::Vector3d|std::optional<std::string>)) "
+    r"([\w ./=-]+(?:, [\w ./=-]+)+);(?:\s*///<\s*(.*))?$"
 )
+# A comment behind an opening brace is within the body; before it, it belongs to what is declared.
+BEHIND_A_BRACE = re.compile(r"^(\s+)(.*?) \{\s*///<\s*(.*)$")
+# What a section says of itself wherever it is shown: its text is the struct's own comment once more.
+SELF_DESCRIPTION = re.compile(r"^(\s+static constexpr const char\* kText =.*)$", re.MULTILINE)
 
 
 def as_member(match: re.Match) -> str:
@@ -41,13 +46,12 @@ def as_table(match: re.Match) -> str:
 
 
 def one_each(line: str, comment: list[str]) -> str:
-    """``double a, b;`` as two declarations, each with the comment above: Doxygen gives it to the first alone."""
+    """``double a, b;`` as two declarations, each with the comment above or behind: Doxygen gives it to one alone."""
     match = SEVERAL.match(line)
-    if not (match and comment):
+    if not match or not (comment or match[4]):
         return line
-    first, *others = match[3].split(",")
-    text = " ".join(part.lstrip("/ ") for part in comment)
-    return f"{match[1]}{match[2]} {first};" + "".join(f" /** {text} */ {match[2]} {other.strip()};" for other in others)
+    text = " ".join([*(part.lstrip("/ ") for part in comment), match[4] or ""]).strip()
+    return match[1] + " ".join(f"/** {text} */ {match[2]} {name.strip()};" for name in match[3].split(","))
 
 
 def split_arguments(text: str) -> tuple[list[str], int]:
@@ -108,9 +112,10 @@ def expanded(text: str) -> str:
 def described(text: str) -> str:
     for pattern in (PARAMETER, WITHOUT_RANGE):
         text = pattern.sub(as_member, text)
+    text = SELF_DESCRIPTION.sub(r"  /// The section's text, where it is shown.\n\1", text)
     comment, lines = [], []
     for line in expanded(TABLE.sub(as_table, text)).splitlines():
-        lines.append(one_each(line, comment))
+        lines.append(BEHIND_A_BRACE.sub(r"\1/** \3 */ \2 {", one_each(line, comment)))
         comment = [*comment, line.strip()] if line.lstrip().startswith("/// ") else []
     return "\n".join(lines)
 

@@ -1,3 +1,5 @@
+#include <pybind11/stl/filesystem.h>
+
 #include "arrays.hpp"
 #include "exclusive.hpp"
 #include "pilotfish/capture/frame_source.hpp"
@@ -41,13 +43,18 @@ PYBIND11_MODULE(capture, m) {
   py::list suffixes;
   for (const std::string_view suffix : kPictureSuffixes) suffixes.append(std::string(suffix));
   m.attr("PICTURE_SUFFIXES") = py::frozenset(suffixes);  // of the files that open_images() reads, in small letters
-  m.def("open_images", &open_images,
-        "A folder of pictures in natural order of their names, or in the order and at the times of its frames.csv. "
-        "Without it they come at frame_rate_hz [Hz]. CaptureError if there are none.",
-        py::arg("directory"), py::kw_only(), py::arg("frame_rate_hz") = 30.0, py::call_guard<py::gil_scoped_release>());
-  m.def("open_video", &open_video,
-        "A video file; frames carry its timestamps [us]. CaptureError if it cannot be opened.", py::arg("path"),
-        py::call_guard<py::gil_scoped_release>());
+  m.def(
+      "open_images",
+      [](const std::filesystem::path& directory, double frame_rate_hz) {
+        return open_images(directory.string(), frame_rate_hz);
+      },
+      "A folder of pictures in natural order of their names, or in the order and at the times of its frames.csv. "
+      "Without it they come at frame_rate_hz [Hz]. CaptureError if there are none.",
+      py::arg("directory"), py::kw_only(), py::arg("frame_rate_hz") = 30.0, py::call_guard<py::gil_scoped_release>());
+  m.def(
+      "open_video", [](const std::filesystem::path& path) { return open_video(path.string()); },
+      "A video file; frames carry its timestamps [us]. CaptureError if it cannot be opened.", py::arg("path"),
+      py::call_guard<py::gil_scoped_release>());
   m.def("open_camera", &open_camera,
         "A V4L camera by number, at the calibration's size: width and height [px], frame_rate_hz [Hz]. CaptureError if "
         "it cannot be opened.",

@@ -94,15 +94,51 @@ AnyParameter forget_struct(const Parameter<Config>& parameter) {
           }};
 }
 
+/// What a parameter takes, for a message and for the type stubs.
+template <class Value>
+struct TypeOf;
+template <>
+struct TypeOf<double> {
+  static constexpr const char *kText = "a number", *kPython = "typing.SupportsFloat | typing.SupportsIndex";
+};
+template <>
+struct TypeOf<int> {
+  static constexpr const char *kText = "a whole number", *kPython = "typing.SupportsInt | typing.SupportsIndex";
+};
+template <>
+struct TypeOf<bool> {
+  static constexpr const char *kText = "True or False", *kPython = "bool";
+};
+template <>
+struct TypeOf<std::string> {
+  static constexpr const char *kText = "a text", *kPython = "str";
+};
+template <>
+struct TypeOf<Vector3> {
+  static constexpr const char *kText = "a sequence of three numbers", *kPython = "typing.Sequence[float]";
+};
+
 template <class Value>
 void bind_attribute(const py::object& type, const std::string& key, const AnyParameter& parameter,
                     const std::string& doc) {
   const py::cpp_function get(
       [parameter](const py::object& self) { return *static_cast<const Value*>(parameter.value(self, parameter.row)); },
       py::is_method(type));
+  // Takes anything, to say by name what does not fit; the signature is for the type stubs.
+  py::options options;
+  options.disable_function_signatures();
+  const std::string signature = std::string("(self: object, arg0: ") + TypeOf<Value>::kPython + ") -> None";
   const py::cpp_function set(
-      [parameter](const py::object& self, const Value& value) { parameter.assign(self, parameter.row, &value); },
-      py::is_method(type));
+      [parameter, key](const py::object& self, const py::object& given) {
+        py::detail::make_caster<Value> caster;
+        if (!caster.load(given, true)) {
+          const std::string name = py::str(py::type::of(self).attr("__name__"));
+          throw py::type_error(name + "." + key + ": " + repr_of_field(given) + " is not " + TypeOf<Value>::kText);
+        }
+        const Value value = py::detail::cast_op<Value>(caster);
+        parameter.assign(self, parameter.row, &value);
+      },
+      py::is_method(type), py::doc(signature.c_str()));
   type.attr(key.c_str()) = py::module_::import("builtins").attr("property")(get, set, py::none(), doc);
 }
 

@@ -122,8 +122,9 @@ class Operator:
         self, *, distance_m: float | None = None, bearing_rad: float | None = None, within_s: float = WITHIN_S
     ) -> StatusReport:
         """Says what to keep; None: as it is. A robot that has been stopped stays stopped."""
-        if not all(math.isfinite(number) for number in (distance_m, bearing_rad) if number is not None):
-            raise OperatorError("the distance and the bearing must be numbers")
+        for name, number in (("distance_m", distance_m), ("bearing_rad", bearing_rad)):
+            if number is not None and not math.isfinite(number):
+                raise OperatorError(f"{name}: {number} is not a finite number")
         kept = self.listen(within_s).setpoint
         asked = Setpoint.unchecked(  # the coordinator says why not
             distance_m=kept.distance_m if distance_m is None else distance_m,

@@ -38,10 +38,6 @@ template <class Message>
 constexpr bool has_mac =
     std::is_same_v<Message, command_t> || std::is_same_v<Message, setpoint_t> || std::is_same_v<Message, base_t>;
 
-struct Destroy {
-  void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
-};
-
 }  // namespace
 
 std::string channel(const std::string& robot, const std::string& what) {
@@ -55,6 +51,9 @@ std::string channel(const std::string& robot, const std::string& what) {
 // of reporting them, and lets exceptions run through liblcm's C frames.
 struct Bus::Connection {
   using Decoder = std::function<void(const WireMessage&)>;
+  struct Destroy {
+    void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
+  };
 
   std::string url;
   int receive_buffer_bytes = 0;

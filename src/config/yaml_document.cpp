@@ -60,7 +60,9 @@ YAML::Node parse_yaml(const std::string& text, const std::string& key, const std
     if (goes_on(text)) throw ConfigError(key, path.string() + " holds more than one YAML document (---)");
     return node;
   } catch (const YAML::Exception& problem) {
-    throw ConfigError(key, path.string() + " is not valid YAML: " + problem.what());
+    const bool tab = text.find("\n\t") != std::string::npos;
+    throw ConfigError(key, path.string() + " is not valid YAML: " + problem.what() +
+                               (tab ? "; there are tabs in front of lines: indent with spaces" : ""));
   }
 }
 

@@ -25,10 +25,33 @@ bool may_be_octal(std::string_view text) {
 
 constexpr const char* kMayBeOctal = " may be meant as octal; write the decimal number without zeros in front";
 
+/// What a file is by the keys at its top, for whoever named the wrong one; empty if that does not tell.
+std::string kind_of(const YAML::Node& root) {
+  const auto has = [&](const char* key) { return root[key].IsDefined(); };
+  if (has("robots")) return "a scenario";
+  if (has("camera") && has("leader")) return "a coordinator's configuration";
+  if (has("rules")) return "a fuzzy controller";
+  if (has("tags")) return "a leader's body";
+  if (has("wheels")) return "a configuration of pilotfish-base";
+  if (has("calibration") || has("image_width")) return "a camera calibration";
+  return "";
+}
+
+/// What may be wrong with a text that should be a number: "; ..." or nothing.
+std::string hint_for_number(std::string text) {
+  if (const std::size_t comma = text.find(','); comma != std::string::npos) {
+    text[comma] = '.';
+    if (number_from<double>(text)) return "; a decimal point is '.'";
+  }
+  const std::size_t end = text.find_first_not_of("+-.0123456789");
+  if (end == std::string::npos || end == 0 || !number_from<double>(text.substr(0, end))) return "";
+  if (text[end] == 'e' || text[end] == 'E') return "; it is too large or too small, or not written as 1.5e3";
+  return "; without a unit, which the key names";
+}
+
 /// Decimal, the whole of it ("640abc" is none), or one of YAML's words for infinity and NaN.
 double as_number(const YAML::Node& node, const YamlSection& section, const std::string& key) {
-  const ConfigError wrong_type = section.error(key, shown(node) + " is not a number");
-  if (!node.IsScalar()) throw wrong_type;
+  if (!node.IsScalar()) throw section.error(key, shown(node) + " is not a number");
   const std::string& text = node.Scalar();
   if (may_be_octal(text)) throw section.error(key, shown(node) + kMayBeOctal);
   if (const auto value = number_from<double>(text)) return *value;
@@ -37,7 +60,7 @@ double as_number(const YAML::Node& node, const YamlSection& section, const std::
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (word == ".inf" || word == ".Inf" || word == ".INF") return negative ? -kInfinity : kInfinity;
   if (word == ".nan" || word == ".NaN" || word == ".NAN") return std::numeric_limits<double>::quiet_NaN();
-  throw wrong_type;
+  throw section.error(key, shown(node) + " is not a number" + hint_for_number(text));
 }
 
 /// "x_deg" -> "x_rad": reading the one counts as reading the other.
@@ -87,8 +110,9 @@ std::vector<std::string> YamlSection::keys() const {
 
 YAML::Node YamlSection::require(const std::string& key) {
   asked_.insert(key);
-  if (!has(key)) throw error(key, "is missing");
-  return node_[key];
+  if (has(key)) return node_[key];
+  const std::string kind = path_.empty() ? kind_of(node_) : "";
+  throw error(key, "is missing" + (kind.empty() ? kind : "; this file looks like " + kind));
 }
 
 double YamlSection::number(const std::string& key, double min, double max) {

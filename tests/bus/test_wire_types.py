@@ -10,6 +10,7 @@ from pilotfish.lcmtypes import bot_core
 from pilotfish.lcmtypes import pilotfish as types
 
 ONE_DATAGRAM_BYTES = 1400
+COUNTER_BYTES = 4 + 24 + 1 + 8  # of the longest: length, name, its end, count
 
 # Made from the names, types and order of the fields. The first three are libbot's, published: a change here
 # means that existing viewers and loggers no longer read us. The others are ours: a change means that old logs
@@ -90,10 +91,10 @@ def test_the_longest_state_messages_fit_into_one_datagram(link):
     }
     sizes = {what: len(link.catch(f"R1_{what}", publish)) for what, publish in encoded.items()}
     assert max(sizes.values()) <= ONE_DATAGRAM_BYTES, sizes
-    # And the worst case is one: 12 tags of 41 bytes; 56 strengths of 4, 6 stages of 69 and 13 counters of 37 bytes; 16
-    # counters and a text.
+    # And the worst case is one: 12 tags of 41 bytes; 56 strengths of 4, 6 stages of 69 and 12 counters of 37 bytes or
+    # more; 16 counters and a text.
     assert sizes["OBSERVATION"] > 12 * 41
-    assert sizes["STATUS"] > 56 * 4 + 6 * 69 + 13 * 37
+    assert sizes["STATUS"] > 56 * 4 + 6 * 69 + 12 * COUNTER_BYTES
     assert sizes["BASE"] > 16 * 37 + 80
 
 
@@ -101,17 +102,25 @@ def catch_status(link, report):
     return types.status_t.decode(link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", report)))
 
 
-def test_of_the_longest_counters_13_travel_with_6_stages_and_a_status_without_stages_has_room_for_24(link):
-    message = catch_status(link, worst_status(worst_counters(13)))
-    assert (len(message.stages), message.rejected_count) == (6, 13)
-    assert {c.name: c.count for c in message.rejected} == worst_counters(13)
+def longest_counters_that_fit(link):
+    """As many as the datagram has room for behind the other fields: a new field of a status takes from it."""
+    without = len(link.catch("R1_STATUS", lambda: link.bus.publish_status("r1", worst_status({}))))
+    return (ONE_DATAGRAM_BYTES - without) // COUNTER_BYTES
+
+
+def test_as_many_of_the_longest_counters_travel_with_6_stages_as_fit_and_without_stages_24(link):
+    fit = longest_counters_that_fit(link)
+    assert fit >= 12  # pilotfish_status_t.lcm promises it
+    message = catch_status(link, worst_status(worst_counters(fit)))
+    assert (len(message.stages), message.rejected_count) == (6, fit)
+    assert {c.name: c.count for c in message.rejected} == worst_counters(fit)
     assert catch_status(link, bus.StatusReport(utime=1, rejected=worst_counters(24))).rejected_count == 24
 
 
 def test_of_more_counters_than_fit_every_one_is_seen_in_its_turn_and_nothing_vanishes(link):
     counters = {f"{i:02}{'x' * 22}": 10**i for i in range(18)}
     seen = {}
-    for _ in range(2):  # 12 and "others", then 6 and "others"
+    for _ in range(2):  # of 18, 11 at least and "others", then the rest and "others"
         rejected = catch_status(link, worst_status(counters)).rejected
         assert rejected[-1].name == "others"
         assert sum(c.count for c in rejected) == sum(counters.values())

@@ -19,7 +19,7 @@ def gray_levels(source):
 
 
 def open_images(folder, **options):
-    return capture.open_images(str(folder), **options)
+    return capture.open_images(folder, **options)
 
 
 def test_pictures_come_in_the_natural_order_of_their_names(tmp_path):

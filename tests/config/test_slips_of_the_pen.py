@@ -7,7 +7,7 @@ import subprocess
 import pytest
 from test_config_files import OPENCV, break_file
 
-from pilotfish import coordinator, core
+from pilotfish import coordinator, core, sim
 from pilotfish import data as shipped
 from pilotfish.harness.executables import COORDINATOR, find_executable
 
@@ -41,6 +41,43 @@ def test_a_number_with_a_zero_in_front_is_not_guessed_at(folder, line, slip, key
     said = refusal(coordinator.load_coordinator, folder / "config/line.yaml")
     value = re.search(r"-?0\d+", slip).group()
     assert said.startswith(f"{key}: '{value}' may be meant as octal; write the decimal number")
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("0,6", "'0,6' is not a number; a decimal point is '.'"),
+        ("0.6 m/s", "'0.6 m/s' is not a number; without a unit, which the key names"),
+        ("1e400", "'1e400' is not a number; it is too large or too small, or not written as 1.5e3"),
+        ("fast", "'fast' is not a number"),
+        ("6-7", "'6-7' is not a number"),
+    ],
+)
+def test_what_is_no_number_is_refused_with_what_may_be_meant(folder, written, said):
+    break_file(folder / "config/line.yaml", r"  distance_m: 1\.10", f"  distance_m: {written}")
+    assert refusal(coordinator.load_coordinator, folder / "config/line.yaml").startswith(f"setpoint.distance_m: {said} (")
+
+
+def test_a_tab_in_front_of_a_line_is_named(folder):
+    break_file(folder / "config/line.yaml", r"  distance_m: 1\.10", "\tdistance_m: 1.1")
+    said = refusal(coordinator.load_coordinator, folder / "config/line.yaml")
+    assert said.endswith("there are tabs in front of lines: indent with spaces")
+
+
+@pytest.mark.parametrize(
+    ("file", "kind"),
+    [
+        ("scenarios/line.yaml", "a scenario"),
+        ("config/base.yaml", "a configuration of pilotfish-base"),
+        ("leaders/three_faces.yaml", "a leader's body"),
+        ("fuzzy/coordination.yaml", "a fuzzy controller"),
+    ],
+)
+def test_a_file_of_another_kind_is_said_to_be_one(file, kind):
+    said = refusal(coordinator.load_coordinator, shipped.path(file))
+    assert f" is missing; this file looks like {kind} (in " in said
+    other = refusal(sim.load_scenario, shipped.path("config/line.yaml"))
+    assert "this file looks like a coordinator's configuration" in other
 
 
 @pytest.mark.parametrize("zero", ["0", "0.10", "-0", "0.0e0", "00.5"])

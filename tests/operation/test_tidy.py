@@ -32,7 +32,7 @@ class Tree:
         self.sources.append(path)
         return path
 
-    def tidy(self, *options: str) -> subprocess.CompletedProcess[str]:
+    def tidy(self, *options: str, sources: list[Path] | None = None) -> subprocess.CompletedProcess[str]:
         build = self.root / "build"
         build.mkdir(exist_ok=True)
         command = " ".join(["c++ -std=c++17 -Wall -Werror", *options, "-o {0}.o -c {0}"])
@@ -40,7 +40,7 @@ class Tree:
             {"directory": str(build), "file": str(path), "command": command.format(path)} for path in self.sources
         ]
         (build / "compile_commands.json").write_text(json.dumps(database))
-        words = [sys.executable, TIDY, build, *self.sources]
+        words = [sys.executable, TIDY, build, *(sources or self.sources)]
         return subprocess.run(words, capture_output=True, text=True, timeout=300)
 
     def seen_together(self) -> list[list[Path]]:
@@ -101,6 +101,15 @@ def test_a_source_that_does_not_compile_fails_and_hides_nothing_of_the_others(tr
     found = findings(result.stdout)
     assert found[str(broken), "clang-diagnostic-error"] == 1
     assert found[str(other), "modernize-use-nullptr"] == 1
+
+
+def test_sources_that_cmake_compiles_as_one_are_each_found_in_it(tree: Tree) -> None:
+    paths = [tree.source(f"{name}.cpp", FINDING.format(name=name)) for name in ("first", "second")]
+    (tree.root / "build" / "Unity").mkdir(parents=True)
+    tree.sources = []  # the database has nothing but what includes them
+    tree.source("build/Unity/unity_0_cxx.cxx", "".join(f'#include "{path}"\n\n' for path in paths))
+    result = tree.tidy(sources=paths)
+    assert findings(result.stdout) == {(str(path), "modernize-use-nullptr"): 1 for path in paths}
 
 
 @pytest.mark.parametrize("number", [1, 2])

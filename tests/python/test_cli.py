@@ -182,3 +182,18 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
     figures = json.loads((tmp_path / "metrics.json").read_text())
     assert set(figures) == {f"{which}_{profile}" for which, profile in runs}
     assert figures["line_paper"]["initial_distance_m"] == pytest.approx(2.44, abs=1e-3)
+
+
+@pytest.mark.parametrize("words", [["experiment", "line"], ["demo"], ["render", "SCENARIO"]])
+def test_a_folder_that_cannot_be_made_is_refused_before_the_work(words):
+    words = [data.path("scenarios/line.yaml") if word == "SCENARIO" else word for word in words]
+    result, said = run(*words, "--out", "/proc/self/nothing")
+    assert result.exit_code == 64
+    assert "'--out': /proc/self/nothing cannot be made" in said
+
+
+@pytest.mark.parametrize("distance_m", ["-1", "nan", "20.5"])
+def test_a_distance_out_of_bounds_is_refused_before_anybody_is_asked(distance_m):
+    result, said = run("setpoint", "robot1", "--distance-m", distance_m)
+    assert result.exit_code == 64
+    assert f"--distance-m: {distance_m} is outside [0.05, 20]" in said

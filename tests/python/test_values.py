@@ -133,3 +133,18 @@ def test_a_setpoint_that_cannot_be_kept_is_refused_by_its_key(key, number):
         assert refused.value.key == key
     assert setpoint == core.Setpoint()
     assert str(getattr(core.Setpoint.unchecked(**{key: number}), key)) == str(number)
+
+
+@pytest.mark.parametrize(
+    ("assign", "said"),
+    [
+        (lambda: setattr(control.LimitsConfig(), "max_linear_mps", None), "LimitsConfig.max_linear_mps: None is not a"),
+        (lambda: core.BodyTag(id="0"), "BodyTag.id: '0' is not a whole number"),
+        (lambda: core.CameraMounting(position_m=[0, 0]), "CameraMounting.position_m: [0, 0] is not a sequence of three"),
+        (lambda: setattr(core.Setpoint(), "run", "yes"), "Setpoint.run: 'yes' is not True or False"),
+    ],
+)
+def test_a_parameter_of_the_wrong_type_is_refused_by_its_name(assign, said):
+    with pytest.raises(TypeError) as refused:
+        assign()
+    assert str(refused.value).startswith(said)

@@ -50,18 +50,21 @@ struct LawDescription {
   std::function<std::unique_ptr<Law>(const std::vector<LawParameter>&, const LimitsConfig&)> make;
 };
 
-/// Sets a parameter. Throws ConfigError, key control.<law>.<parameter>, if there is none of that name or the value is
+/// Sets a parameter. Throws ConfigError, key "control.LAW.PARAMETER", if there is none of that name or the value is
 /// out of its range.
 void set_parameter(LawDescription& law, std::string_view key, double value);
 
 /// The description of a law that is made from a struct of doubles with a table of parameters, and the limits.
+/// Throws ConfigError naming a parameter that is no double.
 template <class LawType, class Config>
 LawDescription describe_law(std::string name, std::string text) {
   LawDescription law{std::move(name), std::move(text), {}, nullptr};
   const Config defaults;
-  for (const Parameter<Config>& each : Config::parameters())
-    law.parameters.push_back({std::string(each.key), defaults.*std::get<double Config::*>(each.member), each.min,
-                              each.max, std::string(each.text)});
+  for (const Parameter<Config>& each : Config::parameters()) {
+    const auto* const number = std::get_if<double Config::*>(&each.member);
+    if (number == nullptr) throw ConfigError(dotted(law.name, each.key), "a law's parameters are doubles");
+    law.parameters.push_back({std::string(each.key), defaults.**number, each.min, each.max, std::string(each.text)});
+  }
   law.make = [](const std::vector<LawParameter>& values, const LimitsConfig& limits) -> std::unique_ptr<Law> {
     Config config;
     for (std::size_t i = 0; i < values.size(); ++i)

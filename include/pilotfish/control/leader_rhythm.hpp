@@ -15,8 +15,10 @@ namespace pilotfish::control {
 /// is some noise of r', so that noise alone is not explained. A value; nothing throws.
 class LeaderRhythm {
  public:
+  /// A vector of the plane.
   struct Planar {
-    double x_m = 0.0, y_m = 0.0;
+    double x_m = 0.0;  ///< along the x-axis [m]
+    double y_m = 0.0;  ///< along the y-axis [m]
   };
   /// |e|^2 after `r` = {r, r', r''} has been added with that weight, and what was before counts `keep` of what it did.
   double unexplained_m2(const std::array<Planar, 3>& r, double weight, double keep) noexcept {
@@ -33,7 +35,7 @@ class LeaderRhythm {
     return product(e, e);
   }
 
-  static constexpr double kRidge_m2 = 0.0002 * 0.0002;
+  static constexpr double kRidge_m2 = 0.0002 * 0.0002;  ///< variance of a difference that is noise [m^2]
 
  private:
   static double product(const Planar& a, const Planar& b) noexcept { return a.x_m * b.x_m + a.y_m * b.y_m; }

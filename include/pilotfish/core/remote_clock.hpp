@@ -24,8 +24,8 @@ namespace pilotfish {
 /// with it lies at most at the true one, never after it. Only the last kMessages count: a forged one is soon forgotten.
 class RemoteClock {
  public:
-  static constexpr double kDrift = 1e-3;
-  static constexpr std::size_t kMessages = 32;
+  static constexpr double kDrift = 1e-3;        ///< that two clocks drift apart at most, in a second [s]
+  static constexpr std::size_t kMessages = 32;  ///< the last ones, which count
 
   /// remote_us: T, in [0, 2^62]; now: A. Another process, also one that was restarted, needs another RemoteClock.
   void received(std::int64_t remote_us, MonotonicTime now) noexcept;

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress
-from pilotfish.cli.options import DurationOption, Law, Profiles, ProfilesOption, drivers_of
+from pilotfish.cli.options import DurationOption, Law, Profiles, ProfilesOption, drivers_of, writable_folder
 
 if TYPE_CHECKING:
     from pilotfish.camera_view import CameraView
@@ -20,7 +20,9 @@ GIF_FRAMES = 60
 
 
 def demo(
-    out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for everything.")] = Path("out"),
+    out: Annotated[
+        Path, typer.Option("--out", file_okay=False, callback=writable_folder, help="Folder for everything.")
+    ] = Path("out"),
     profile: ProfilesOption = Profiles.both,
     duration_s: DurationOption = None,
 ) -> None:

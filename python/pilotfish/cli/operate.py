@@ -73,6 +73,7 @@ def setpoint(
     with friendly_errors():
         if distance_m is None and bearing_deg is None:
             raise typer.BadParameter("nothing to change: say --distance-m, --bearing-deg or both")
+        _check_distance(distance_m)
         _check_bearing(bearing_deg)
         operator = _operator(robot, lcm_url, key)
         bearing_rad = None if bearing_deg is None else math.radians(bearing_deg)
@@ -99,6 +100,18 @@ def key_new(
     with friendly_errors():
         new_key(file)
         console.print(f"wrote {file}", soft_wrap=True, markup=False, highlight=False)
+
+
+def _check_distance(distance_m: float | None) -> None:
+    """By the bounds that every coordinator has; its own stop distance it knows alone."""
+    from pilotfish.core import Setpoint
+    from pilotfish.errors import ConfigError
+
+    try:
+        if distance_m is not None:
+            Setpoint(distance_m=distance_m)
+    except ConfigError as error:
+        raise typer.BadParameter(f"--distance-m: {str(error).partition(': ')[2]}") from None
 
 
 def _check_bearing(bearing_deg: float | None) -> None:

@@ -8,12 +8,17 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress
-from pilotfish.cli.options import Profile, ProfileOption
+from pilotfish.cli.options import Profile, ProfileOption, writable_folder
 
 
 def render(
     scenario: Annotated[str, typer.Argument(help="A scenario file, or the name of a shipped one (line, circle, ...).")],
-    out: Annotated[Path, typer.Option("--out", file_okay=False, help="Folder for the pictures and frames.csv.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out", file_okay=False, callback=writable_folder, help="Folder for the pictures and frames.csv."
+        ),
+    ],
     frames: Annotated[
         int | None, typer.Option(min=1, max=1_000_000, help="How many; default: the whole scenario.")
     ] = None,

@@ -114,6 +114,23 @@ TEST(DescribeLaw, TakesKeysBoundsAndDefaultsFromTheTable) {
   EXPECT_EQ(law.parameters[0].text, "Gain.");
 }
 
+struct CountingConfig {
+  PILOTFISH_PARAMETERS(CountingConfig);
+  PILOTFISH_PARAMETER(double, gain_per_s, 2.0, 0.5, 4.0, "Gain.");
+  PILOTFISH_PARAMETER(int, frames, 5, 1, 100, "Frames.");
+};
+
+class CountingLaw final : public Law {
+ public:
+  CountingLaw(const CountingConfig&, const LimitsConfig&) {}
+  Twist follow(const Observation&, const Setpoint&, double) noexcept override { return {}; }
+};
+
+TEST(DescribeLaw, NamesAParameterThatIsNoDouble) {
+  const auto describe = [] { describe_law<CountingLaw, CountingConfig>("own", "My own"); };
+  EXPECT_EQ(refused_key(describe), "own.frames");
+}
+
 TEST(DescribeLaw, MakesALawOfTheValuesAndTheLimits) {
   LawDescription law = describe_law<OwnLaw, OwnConfig>("own", "My own");
   set_parameter(law, "gain_per_s", 3.0);
