@@ -1,4 +1,4 @@
-"""The picture of the benchmark: ratios to the baselines, and how calm wide inputs make the law."""
+"""The picture of the benchmark: ratios to the baselines, and the command variation with non-singleton inputs."""
 
 from __future__ import annotations
 
@@ -35,6 +35,6 @@ def draw(rows: list[Row], curve: list[Width], file: Path) -> Path:
         right.set_ylim(0.0, 1.1)
         right.set_xlabel("width of the inputs, k sigma")
         right.set_ylabel("RMS change of the wanted speed,\nagainst singletons at the same steady-state error")
-        right.set_title("Calm")
+        right.set_title("Command variation")
         right.legend()
     return save(figure, file)

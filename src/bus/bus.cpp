@@ -200,10 +200,10 @@ void Bus::publish(const std::string& robot, const CommandReport& report) {
   connection_->publish(channel(robot, "COMMAND"), message, repaired);
 }
 
-std::unique_ptr<LastWords> Bus::last_words(const std::string& robot, const CommandReport& report) {
+std::unique_ptr<FinalMessage> Bus::final_message(const std::string& robot, const CommandReport& report) {
   std::string_view repaired;
   const std::string name = channel(robot, "COMMAND");
-  return std::make_unique<LastWords>(connection_->url, name, connection_->encoded(name, encode(report, repaired)));
+  return std::make_unique<FinalMessage>(connection_->url, name, connection_->encoded(name, encode(report, repaired)));
 }
 
 void Bus::publish(const std::string& robot, const ObservationReport& report) {

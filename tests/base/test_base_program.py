@@ -166,7 +166,7 @@ def test_forged_and_replayed_commands_and_resumes_are_refused_where_a_key_is_con
     config = tmp_path / "base.yaml"
     config.write_text(CONFIG.read_text() + f"\nkey_file: {file}\n")
     with WheelsProcess(tmp_path, url, f"serial:{controller.device}", config=config):
-        forger, honest = Commander(url, key=bytes(32)), Commander(url, key=key)
+        forger, authorised = Commander(url, key=bytes(32)), Commander(url, key=key)
         bare = Commander(url)
         forger.listen_until(lambda: bool(forger.heard), "the base")
         while forger.rejected("command_mac_wrong") < 200:
@@ -176,21 +176,21 @@ def test_forged_and_replayed_commands_and_resumes_are_refused_where_a_key_is_con
             forger.listen(0.005)
         assert not any(s.moves for s in controller.set_points)
 
-        driven(honest, controller)
+        driven(authorised, controller)
         bare.setpoint(run=False)  # a stop needs no key
-        honest.drive_until(standing(controller), "the stop")
+        authorised.drive_until(standing(controller), "the stop")
         before = len(controller.set_points)
         counter = 0
-        while honest.rejected("setpoint_mac_wrong") < 50:
+        while authorised.rejected("setpoint_mac_wrong") < 50:
             counter += 1
             assert counter < 500
-            forger.setpoint(run=True, session=honest.session, counter=counter)
-            bare.setpoint(run=True, session=honest.session, counter=counter)
-            honest.command(0.3)
-            honest.listen(0.02)
+            forger.setpoint(run=True, session=authorised.session, counter=counter)
+            bare.setpoint(run=True, session=authorised.session, counter=counter)
+            authorised.command(0.3)
+            authorised.listen(0.02)
         assert not any(s.moves for s in controller.set_points[before:])
-        honest.setpoint(run=True, session=honest.session, counter=1)
-        honest.drive_until(moving(controller), "the honest resume")
+        authorised.setpoint(run=True, session=authorised.session, counter=1)
+        authorised.drive_until(moving(controller), "the authorised resume")
 
 
 @pytest.mark.fault("wheels_unplugged")

@@ -1,4 +1,4 @@
-"""The leader motion estimator: honest about its uncertainty, quick when the leader changes its mind, calm otherwise."""
+"""The leader motion estimator: consistent covariance, fast response to manoeuvres, low noise otherwise."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Who may speak, and what a flood of talk does, with the real program in real time."""
+"""Who may command, and the effect of a flood of messages, with the real program in real time."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ def test_what_cannot_be_obeyed_is_refused():
         world.state("nobody")
     with pytest.raises(IndexError, match="'leader' has no camera"):
         world.capture("leader")
-    with pytest.raises(IndexError, match="'leader' follows nobody"):
+    with pytest.raises(IndexError, match="'leader' follows no robot"):
         world.true_cMo("leader")
 
 

@@ -124,7 +124,7 @@ def test_every_family_is_measured_and_knows_how_well(family_name):
         errors.append((answer.tag.corners_px - truth).ravel())
         squared.append(squared_in_sigmas(errors[-1], answer.covariance_px2))
     assert np.sqrt(np.mean(np.square(errors))) < 0.028
-    # Whose cells are free or few leans more on the model of the light and the blur: honest to three tenths of a
+    # Whose cells are free or few leans more on the model of the light and the blur: accurate to three tenths of a
     # sigma (1.3^2), where a covariance that took neighbouring samples for independent ones was off by twice that.
     assert 0.5 < np.mean(squared) / 8 < 1.3**2
 

@@ -53,7 +53,7 @@ def show(file: FileArgument) -> None:
 
 @app.command()
 def check(file: FileArgument) -> None:
-    """Prove the file and look for dead zones, jumps and rules that never fire; exit code 78 if it cannot be used, 1 if
+    """Validate the file and look for dead zones, jumps and rules that never fire; exit code 78 if it cannot be used, 1 if
     something is found.
 
     \b

@@ -56,7 +56,7 @@ def run_in_process(
     latency.
 
     ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
-    seed, other imperfections. ``configure`` has the last word on each coordinator's configuration. With ``drawn``
+    seed, other imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
     nothing is rendered: measurements are drawn. ``tell`` is called before each look, with the robot's name: what else
     the coordinator receives then, such as odometry.
     """

@@ -45,7 +45,7 @@ class Scenario:
         except ValueError as error:
             raise ConfigError(f"{file}: {error}") from error
         if not robots:
-            raise ConfigError(f"{file}: robots: nobody follows anybody (no robot has a 'coordinator')")
+            raise ConfigError(f"{file}: robots: no robot follows another (none has a 'coordinator')")
         return cls(file, spec.name, spec.duration_s, spec.frame_rate_hz, robots)
 
     def robot(self, name: str | None = None) -> FollowingRobot:

@@ -16,10 +16,10 @@ using namespace pilotfish::bus;
 
 // Handlers and subscriptions point into a Bus, so it stays where it is; so does what owns a socket or a file.
 static_assert(!std::is_copy_constructible_v<Bus> && !std::is_move_constructible_v<Bus>);
-static_assert(!std::is_move_assignable_v<Bus> && !std::is_move_constructible_v<LastWords>);
+static_assert(!std::is_move_assignable_v<Bus> && !std::is_move_constructible_v<FinalMessage>);
 static_assert(!std::is_move_constructible_v<LogReader>);
 static_assert(!std::is_convertible_v<std::string, Bus>);
-static_assert(noexcept(std::declval<const LastWords&>().send()));  // called by a signal handler
+static_assert(noexcept(std::declval<const FinalMessage&>().send()));  // called by a signal handler
 static_assert(std::is_base_of_v<std::runtime_error, BusError>);
 
 std::ptrdiff_t open_files() {
@@ -78,7 +78,7 @@ TEST(Bus, PublishesNoNumberThatIsNone) {
   EXPECT_EQ(bus.rejected().size(), 1U);
 }
 
-TEST(Bus, BelievesAStopOfAnotherKeyAndNoNumberInIt) {
+TEST(Bus, AcceptsAStopOfAnotherKeyAndNoNumberInIt) {
   Bus bus("memq://");
   std::vector<SetpointReport> heard;
   bus.on_setpoint("robot1", [&](const SetpointReport& report) { heard.push_back(report); });
@@ -144,17 +144,17 @@ TEST(Channel, IsOneWordOfUpTo63Letters) {
     EXPECT_THROW(channel(robot, "COMMAND"), ConfigError) << robot;
 }
 
-TEST(LastWords, SayNothingWhereThereIsNoNetwork) {
+TEST(FinalMessage, SendsNothingWithoutANetwork) {
   const auto before = open_files();
-  LastWords words("memq://", "ROBOT1_COMMAND", {1, 2, 3});
-  words.send();
+  FinalMessage message("memq://", "ROBOT1_COMMAND", {1, 2, 3});
+  message.send();
   EXPECT_EQ(open_files(), before);
 }
 
-TEST(LastWords, CloseTheirSocket) {
+TEST(FinalMessage, ClosesItsSocket) {
   const auto before = open_files();
   {
-    LastWords words("udpm://239.255.76.67:7667?ttl=0", "ROBOT1_COMMAND", {1, 2, 3});
+    FinalMessage message("udpm://239.255.76.67:7667?ttl=0", "ROBOT1_COMMAND", {1, 2, 3});
     EXPECT_EQ(open_files(), before + 1);
   }
   EXPECT_EQ(open_files(), before);
