@@ -51,8 +51,8 @@ void block_stop_signals() {
 
 bool wait_for_stop_signal(int timeout_ms) {
   const sigset_t set = stop_signals();
-  const timespec patience{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
-  return sigtimedwait(&set, nullptr, &patience) > 0;
+  const timespec timeout{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
+  return sigtimedwait(&set, nullptr, &timeout) > 0;
 }
 
 void set_final_message(const bus::FinalMessage* message) {

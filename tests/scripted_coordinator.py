@@ -11,7 +11,14 @@ class ScriptedCoordinator:
     """Obeys setpoints as pilotfish-coordinator does, and says so with every beat. Use as a context manager."""
 
     def __init__(
-        self, url, robot="robot1", *, key=None, ignores_setpoints=False, answers_pictures=False, before_beat=lambda played: None
+        self,
+        url,
+        robot="robot1",
+        *,
+        key=None,
+        ignores_setpoints=False,
+        answers_pictures=False,
+        before_beat=lambda played: None,
     ):
         self.bus = bus.Bus(url)
         if key is not None:

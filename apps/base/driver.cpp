@@ -5,11 +5,11 @@
 #include <chrono>
 #include <thread>
 
-#include "stop_on_fault.hpp"
 #include "line_reader.hpp"
 #include "pilotfish/base/controller_link.hpp"
 #include "pilotfish/base/serial_protocol.hpp"
 #include "serial_port.hpp"
+#include "stop_on_fault.hpp"
 
 namespace pilotfish::apps {
 namespace {

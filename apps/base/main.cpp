@@ -8,7 +8,6 @@
 #include "driver.hpp"
 #include "exit_codes.hpp"
 #include "guarded.hpp"
-#include "stop_on_fault.hpp"
 #include "log.hpp"
 #include "loop.hpp"
 #include "options.hpp"
@@ -18,6 +17,7 @@
 #include "serial_port.hpp"
 #include "service_notify.hpp"
 #include "standard_streams.hpp"
+#include "stop_on_fault.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {

@@ -65,7 +65,8 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(CLI::IsMember(control::law_names(control::FollowerConfig{})));
   app.add_option("--profile", options.profile, "how the fuzzy law drives: as published, or around a feed-forward")
       ->check(CLI::IsMember({"paper", "anticipate"}));
-  app.add_option("--tuning", options.tuning, "parameters of the law, as pilotfish tune writes them; they override the configuration");
+  app.add_option("--tuning", options.tuning,
+                 "parameters of the law, as pilotfish tune writes them; they override the configuration");
   app.add_option("--odometry", options.odometry, "where the own twist is measured: nowhere, or on NAME_POSE")
       ->check(CLI::IsMember({"none", "pose"}));
   app.add_option("--leader-intent-from", options.leader_intent_from,

@@ -52,14 +52,18 @@ def follow_noisily(
         errors.append(SETPOINT_M - distance_m)
     settled = slice(round(SETTLING_S / PERIOD_S), None)
     error = np.array(errors[settled])
-    return Smoothness(float(error.mean()), float(error.std()), _change_rms(wanted[settled]), _change_rms(commanded[settled]))
+    return Smoothness(
+        float(error.mean()), float(error.std()), _change_rms(wanted[settled]), _change_rms(commanded[settled])
+    )
 
 
 def _change_rms(values: list[float]) -> float:
     return float(np.sqrt(np.mean(np.diff(values) ** 2)))
 
 
-def mean_of_runs(law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sigma_m: float, seeds: range) -> Smoothness:
+def mean_of_runs(
+    law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sigma_m: float, seeds: range
+) -> Smoothness:
     """The mean of several runs, figure by figure."""
     runs = [follow_noisily(law, config, sigma_m, seed) for seed in seeds]
     names = Smoothness.__dataclass_fields__

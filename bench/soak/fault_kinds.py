@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from intruders import (
     endless_fragments,
-    forgeries,
     false_intents,
+    forgeries,
     liblcm_killer,
     random_datagrams,
     second_camera,

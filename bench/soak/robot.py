@@ -31,7 +31,7 @@ RULE_S = 0.1  # nothing moves on a measurement that is older
 LEAP_US = 3_600_000_000  # between two stamps: the simulated clock does not accept more
 INTERRUPTION_S = 0.2  # of the wall: this script did not run for so long
 _YOUNG_S = 3.5  # so long a pilotfish-base makes place for another, also for a forged one
-_PATIENCE_S = 0.5  # of the wall: then the picture, or its answer, was lost
+_ANSWER_TIMEOUT_S = 0.5  # of the wall: then the picture, or its answer, was lost
 _GIVE_UP = 20
 _REMEMBERED = 1000  # stamps
 
@@ -131,7 +131,7 @@ class Robot:
             if not answered:
                 self._receive(0.001)
                 return
-            end_s = time.monotonic() + _PATIENCE_S
+            end_s = time.monotonic() + _ANSWER_TIMEOUT_S
             while not self._answered and (left_s := end_s - time.monotonic()) > 0:
                 self._receive(left_s)
             if self._answered:

@@ -139,7 +139,9 @@ void bind_leader_intent(py::module_& m) {
           py::arg("seen"), py::arg("own_pose"), py::arg("utime"), "Once a frame: LeaderIntentUse.")
       .def(
           "slowed",
-          [](const LeaderIntent& self, const LeaderEstimate& seen) { return self.has_intent() ? self.slowed(seen) : seen; },
+          [](const LeaderIntent& self, const LeaderEstimate& seen) {
+            return self.has_intent() ? self.slowed(seen) : seen;
+          },
           py::arg("seen"), "The estimate as slow as announced.")
       .def("reset", &LeaderIntent::reset, "The leader was lost: probation begins anew, a suspension goes on.");
 }
@@ -330,8 +332,7 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("ego_motion", &FollowerOutput::ego_motion, "EgoMotionSource: where the own motion was taken from")
       .def_readonly("drive", &FollowerOutput::drive,
                     "DriveEstimate: the drive's delays as this command assumes them; None unless it anticipates")
-      .def_readonly("leader_intent", &FollowerOutput::leader_intent,
-                    "LeaderIntentUse: what the leader's word was worth");
+      .def_readonly("leader_intent", &FollowerOutput::leader_intent, "LeaderIntentUse: how the leader intent was used");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"), py::call_guard<py::gil_scoped_release>(),

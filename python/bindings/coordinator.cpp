@@ -25,7 +25,7 @@ Bytes from_bytes(const py::bytes& bytes) {
 
 void bind_config(py::module_& m) {
   bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
-  py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "Everything a coordinator needs to know.");
+  py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "All settings of a coordinator.");
   coordinator_config.def(py::init<>(), "Defaults; camera and leader must be set. Coordinator() checks them.")
       .def_readwrite("camera", &CoordinatorConfig::camera, "CameraModel: size and lens of the coordinator's camera")
       .def_readwrite("mounting", &CoordinatorConfig::mounting, "CameraMounting: where it sits on the coordinator")

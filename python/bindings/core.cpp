@@ -80,7 +80,7 @@ void bind_session_guard(py::module_& m) {
 
 PYBIND11_MODULE(core, m) {
   translate_config_errors();
-  m.doc() = "The words everyone shares: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
+  m.doc() = "Types shared by all modules: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
 
   m.def("wrap_angle", &wrap_angle, py::arg("angle_rad"), "The same angle in (-pi, pi].");
   m.def(

@@ -1,4 +1,4 @@
-"""An operator's requests to a coordinator: stop, resume, set the setpoint. Over LCM, repeated until its status shows them.
+"""An operator's requests to a coordinator: stop, resume, set the setpoint. Over LCM, until its status shows them.
 
 Who may send what is in ``docs/operating-guide.md`` ("Who may command"): a stop is accepted from anyone; everything else
 has to name the coordinator's session, which its status says, and a counter that rises. Counters are microseconds of the
@@ -91,9 +91,7 @@ class Operator:
         wheels_stopped = lambda: (  # noqa: E731
             self.base is None or (self._bases > received_bases and self._wheels_stopped())
         )
-        shows_it = (  # noqa: E731
-            self._statuses > received and not self._status().setpoint.run and wheels_stopped()
-        )
+        shows_it = self._statuses > received and not self._status().setpoint.run and wheels_stopped()
         give_up = time.monotonic() + within_s
         while self.sent < _MIN_STOPS or (not shows_it() and time.monotonic() < give_up):
             kept = self.status.setpoint if self.status else Setpoint()

@@ -145,9 +145,9 @@ struct Bus::Connection {
 
   /// Until one message of ours and all behind it are handled, a handler throws, a signal has come, the time is up,
   /// or a flood has used up what one call may take. Returns how many were handled.
-  int wait_and_dispatch(std::chrono::milliseconds patience) {
+  int wait_and_dispatch(std::chrono::milliseconds timeout) {
     using Clock = std::chrono::steady_clock;
-    const Clock::time_point give_up = Clock::now() + patience;
+    const Clock::time_point give_up = Clock::now() + timeout;
     Budget budget;
     int handled = 0;
     for (bool waiting = true; waiting && handled == 0 && !budget.used_up();) {

@@ -13,7 +13,8 @@
 
 namespace pilotfish::bus {
 
-FinalMessage::FinalMessage(const std::string& url, const std::string& channel, const std::vector<std::uint8_t>& message) {
+FinalMessage::FinalMessage(const std::string& url, const std::string& channel,
+                           const std::vector<std::uint8_t>& message) {
   const auto multicast = parse_multicast_url(url);
   if (!multicast) return;
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);

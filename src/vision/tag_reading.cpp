@@ -51,7 +51,8 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
   const Appearance& appearance = registration.appearance;
   const Eigen::Matrix2d G2 = warp.flat_jacobian(Eigen::Vector2d::Zero()).inverse().cwiseAbs2();
   // Linear interpolation between pixels blurs a little more, by 1/6 px^2 on average.
-  const Eigen::Vector2d variance = G2 * Eigen::Vector2d(appearance.blur_u_px2 + 1.0 / 6.0, appearance.blur_v_px2 + 1.0 / 6.0);
+  const Eigen::Vector2d variance =
+      G2 * Eigen::Vector2d(appearance.blur_u_px2 + 1.0 / 6.0, appearance.blur_v_px2 + 1.0 / 6.0);
   const Eigen::Vector2d sigma = variance.cwiseSqrt() / pattern.cell_side;
   const double rim = 0.5 * (pattern.cells - 2 * TagPattern::kMargin) * pattern.cell_side - 0.75 * pattern.cell_side;
 

@@ -29,14 +29,14 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
-constexpr double kSpread = 1.3;      ///< samples lie so many standard deviations of the blur beside an edge, at most
-constexpr double kConverged_px = 0.03;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
-constexpr double kNear_px = 0.7;     ///< a longer first step started too far away for its direction to be reliable
+constexpr double kSpread = 1.3;         ///< samples lie so many standard deviations of the blur beside an edge, at most
+constexpr double kConverged_px = 0.03;  ///< after a smaller step the rest is a hundredth of it
+constexpr double kNear_px = 0.7;        ///< a longer first step started too far away for its direction to be reliable
 constexpr double kMaxResidual_contrasts = 0.05;  ///< a fit on the wrong edges has a larger residual, in contrasts,
-constexpr double kMaxOutlierShare = 0.1;    ///< or more outliers among its samples
-constexpr double kMinNoise = 0.2;           ///< gray levels: even a perfect picture is rounded, and a sample is a mean
-constexpr double kNotConverged_px = 0.1;   ///< a last step of this length or more: it has not converged
-constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are sampled pixel by pixel
+constexpr double kMaxOutlierShare = 0.1;         ///< or more outliers among its samples
+constexpr double kMinNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
+constexpr double kNotConverged_px = 0.1;  ///< a last step of this length or more: it has not converged
+constexpr double kDenseBelow_px = 3.2;    ///< cells smaller than this are sampled pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px

@@ -8,7 +8,7 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr int kTile_px = 4;
-constexpr int kMaxTiles = 480 * 270;   ///< of 1920 x 1080; a larger picture is looked at with larger tiles
+constexpr int kMaxTiles = 480 * 270;    ///< of 1920 x 1080; a larger picture is looked at with larger tiles
 constexpr int kActiveOfNine = 8;        ///< so many tiles of 3 x 3 have the contrast
 constexpr double kNoise = 2.0;          ///< times the median contrast of tiles, which is that of noise
 constexpr int kRoomTiles = 5;           ///< around them: half of a tag with cells of 5 px

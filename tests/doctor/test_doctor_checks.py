@@ -105,7 +105,7 @@ def test_the_receive_buffer_should_hold_four_raw_pictures(machine, text, verdict
     assert network.check_receive_buffer(machine({"proc/sys/net/core/rmem_max": text})).verdict is verdict
 
 
-# --- other senders on the bus -------------------------------------------------------------------------------------------
+# --- other senders on the bus -----------------------------------------------------------------------------------------
 def received(*messages):
     channels = {}
     for channel, data in messages:
@@ -127,7 +127,9 @@ def test_channels_are_listed_with_their_rates():
 
 
 def test_one_coordinator_a_robot_is_as_it_should_be():
-    findings = bus_checks.findings_of(received(*3 * [("ROBOT1_COMMAND", command(7)), ("ROBOT2_COMMAND", command(8))]), 1.0)
+    findings = bus_checks.findings_of(
+        received(*3 * [("ROBOT1_COMMAND", command(7)), ("ROBOT2_COMMAND", command(8))]), 1.0
+    )
     assert [finding.verdict for finding in findings] == [Verdict.ok]
 
 

@@ -80,10 +80,10 @@ class Robot(Onboard):
 
     def status(self):
         """The next status_t."""
-        heard = []
+        received = []
         subscription = self.bus.subscribe(
-            f"{self.robot.upper()}_STATUS", lambda _, data: heard.append(status_t.decode(data))
+            f"{self.robot.upper()}_STATUS", lambda _, data: received.append(status_t.decode(data))
         )
-        self.listen_until(lambda: bool(heard), "a status")
+        self.listen_until(lambda: bool(received), "a status")
         self.bus.unsubscribe(subscription)
-        return heard[-1]
+        return received[-1]

@@ -151,7 +151,12 @@ def test_pictures_of_another_size_are_refused_before_they_are_decoded(tmp_path):
         first = len(robot.commands)
         for _ in range(20):
             false_image = image_t()
-            false_image.utime, false_image.width, false_image.height, false_image.row_stride = robot.now_us(), 4096, 4096, 4096
+            false_image.utime, false_image.width, false_image.height, false_image.row_stride = (
+                robot.now_us(),
+                4096,
+                4096,
+                4096,
+            )
             false_image.pixelformat = 1196444237  # MJPEG; its bytes are no JPEG at all, which is not detected
             false_image.data = bytes(1000)
             false_image.size = 1000

@@ -46,7 +46,7 @@ def test_the_wheels_obey_one_coordinator_and_stand_still_after_its_last_word(lan
     with wheels(language, url) as process:
         try:
             link, counter, deadline = bus.Bus(url), 0, time.monotonic() + WITHIN_S
-            # It says nothing when it is ready: commands are sent until one has been heard.
+            # It says nothing when it is ready: commands are sent until one has been received.
             while not has_said(process, 0.02):
                 assert time.monotonic() < deadline
                 counter += 1

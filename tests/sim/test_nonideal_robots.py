@@ -1,4 +1,4 @@
-"""Errors of robot and camera that are not in the coordinator's configuration: each alone, against its expected effect."""
+"""Errors of robot and camera that are not in the coordinator's configuration: each alone, against what it should be."""
 
 import math
 
@@ -45,7 +45,9 @@ def test_gains_are_the_share_of_what_was_commanded():
     ],
 )
 def test_a_wheel_turns_in_steps(commanded, done):
-    twist = driven(Twist(linear_mps=commanded[0], angular_radps=commanded[1]), wheel_step_mps=0.1, track_width_m=0.3).twist
+    twist = driven(
+        Twist(linear_mps=commanded[0], angular_radps=commanded[1]), wheel_step_mps=0.1, track_width_m=0.3
+    ).twist
     assert (twist.linear_mps, twist.angular_radps) == pytest.approx(done)
 
 

@@ -30,8 +30,8 @@ WITHIN_S = 30.0
 
 class ScriptedCoordinator:
     """Answers every picture of robot1 with a command that depends on nothing but the picture's utime.
-    `ignore(utime, copy)` says which pictures it pretends not to have got, `ignored_setpoints` how many setpoints it does not
-    obey. What it keeps and its session are in its status, all the time."""
+    `ignore(utime, copy)` says which pictures it pretends not to have got, `ignored_setpoints` how many setpoints it
+    does not obey. What it keeps and its session are in its status, all the time."""
 
     session = 2**62 + 1
 

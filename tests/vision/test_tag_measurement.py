@@ -1,7 +1,7 @@
 """TagTracker: the corners are where the geometry puts them, as exactly as it says, whatever family, lens and light.
 
 Most pictures are the simulator's, whose edges are exact means over the pixels' areas. Noise is 3 gray levels on a
-contrast of 190 unless told otherwise. What limits a corner: along an edge of n pixels, blurred with sigma = 0.76 px
+contrast of 190 unless stated otherwise. What limits a corner: along an edge of n pixels, blurred with sigma = 0.76 px
 (0.7 px and the pixel's own width), the place of the edge is known to
 
     noise / contrast sqrt(2 sqrt(pi) sigma / n) = 3 / 190 sqrt(2.7 / n) = 0.026 px / sqrt(n)

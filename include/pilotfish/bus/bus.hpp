@@ -9,8 +9,8 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/bus/encoded_image.hpp"
-#include "pilotfish/bus/key.hpp"
 #include "pilotfish/bus/final_message.hpp"
+#include "pilotfish/bus/key.hpp"
 #include "pilotfish/bus/reports.hpp"
 
 PILOTFISH_API_BEGIN

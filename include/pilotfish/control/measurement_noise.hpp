@@ -52,10 +52,10 @@ class MeasurementNoise {
     archive(self.fixes_, self.samples_, self.excess_variance_);
   }
 
-  static constexpr std::size_t kWindow = 60;    ///< samples, 2 s at 30 Hz
+  static constexpr std::size_t kWindow = 60;      ///< samples, 2 s at 30 Hz
   static constexpr std::size_t kMinSamples = 20;  ///< with fewer, the estimate is 0
-  static constexpr double kLongestGap_s = 0.5;  ///< over a longer one a leader can do anything
-  static constexpr double kMax_m = 0.02;        ///< more than that, and more
+  static constexpr double kLongestGap_s = 0.5;    ///< over a longer one a leader can do anything
+  static constexpr double kMax_m = 0.02;          ///< more than that, and more
   static constexpr double kMax_rad = 0.05;  ///< than that, is no scatter: the other pose of a flat tag is an outlier
   static constexpr double kSubtracted =
       2.0;  ///< times the claimed variance: the median of 60 samples is that uncertain

@@ -227,7 +227,9 @@ def _open(video: Path) -> tuple[FrameSource, int | None]:
     try:
         if not video.is_dir():
             return open_video(str(video)), None
-        pictures = sum(1 for file in video.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"})
+        pictures = sum(
+            1 for file in video.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"}
+        )
         return open_images(str(video)), pictures or None
     except CaptureError as error:
         raise BodyLearningError(str(error)) from error

@@ -1,7 +1,7 @@
 """Where the body's base frame is, seen from the reference tag: bMr.
 
 Either it was measured where that tag sits (``KnownTag``), or the robot turned in place (``TurningCentre``): then the
-turning axis is the base's z axis through its origin, which is what a follower steers by. What a turn cannot determine is
+turning axis is the base's z axis through its origin, which is what a follower steers by. A turn cannot determine
 where forward is, and how high the ground: the reference tag's facing says the one, one measured height the other.
 """
 
