@@ -160,6 +160,6 @@ def test_a_failure_ends_with_70_though_a_thread_is_stuck(runs):
 
 @pytest.mark.parametrize("name", ["a signal, and main is stuck", "a failure, and main is stuck"])
 def test_what_is_ending_feeds_no_watchdog(runs, name):
-    # What hangs while it ends is ended by the manager, if by nobody else.
+    # What hangs while it ends is ended by the manager at the latest.
     stopping_s = next(at for at, what in runs[name].received if "STOPPING" in what)
     assert runs[name].fed(stopping_s, runs[name].ended_s) == 0

@@ -200,7 +200,7 @@ def test_a_line_that_is_not_read_blocks_nothing_and_gives_no_old_speeds_afterwar
     received = len(commander.received)
     fault = base_t.STATE_FAULT
     commander.drive_until(lambda: commander.last.state == fault, "the fault")
-    commander.drive_until(lambda: len(commander.received) > received + 100, "a base that goes on speaking")
+    commander.drive_until(lambda: len(commander.received) > received + 100, "a base that goes on sending")
     commander.listen_until(
         lambda: commander.last.accepted_session == 0, "the end of the sender: no command is good any more"
     )
@@ -305,7 +305,7 @@ def test_a_second_base_of_the_name_ends_with_69(tmp_path, url, robot, commander,
 
 
 def test_a_blocked_terminal_stops_nothing(tmp_path, url, controller):
-    """stderr is a pipe that nobody reads, and full."""
+    """stderr is a full pipe without a reader."""
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
     try:
@@ -321,7 +321,7 @@ def test_a_blocked_terminal_stops_nothing(tmp_path, url, controller):
         commander.listen_until(standing(controller), "zeros")
         driven(commander, controller)
         process.terminate()
-        commander.drive_until(lambda: process.poll() is not None, "the end, although nobody reads")
+        commander.drive_until(lambda: process.poll() is not None, "the end, without a reader")
         assert process.returncode == 0
         assert standing(controller, zeros=1)()
     os.close(read_end)

@@ -143,7 +143,7 @@ def test_a_second_sender_never_drives_and_does_not_disturb_the_first(wheels):
 
 
 @pytest.mark.parametrize(("first", "second"), [(1, 2), (2, 1)])  # sessions are random: none is later than another
-def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_obeyed_after_that(wheels, first, second):
+def test_a_silent_sender_may_go_on_until_another_has_driven_and_is_never_obeyed_after_that(wheels, first, second):
     driven(wheels, session=first)
     wheels.pass_ms(480)
     assert wheels.command(second, 1) == CommandVerdict.foreign  # 500 ms since the last command, not more

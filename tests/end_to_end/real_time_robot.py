@@ -38,7 +38,7 @@ class Robot(Onboard):
         self.next_s = None
 
     def now_us(self):
-        """The camera's clock, which is not this host's: somebody may set it."""
+        """The camera's clock, which is not this host's: it may be set."""
         return time.monotonic_ns() // 1000 + self.clock_shift_us
 
     def show(self, image, utime=None):

@@ -127,7 +127,7 @@ def test_odometry_tells_a_coordinator_with_the_right_model_of_its_drive_nothing_
 
 
 def test_with_odometry_wheels_that_cannot_do_what_is_commanded_do_not_make_it_overshoot():
-    """Commanded 0.6 m/s they reach 0.35. By its commands alone the robot overestimates its own speed and the leader's."""
+    """Commanded 0.6 m/s they reach 0.35: by its commands alone the robot overestimates its speed and the leader's."""
     without, run = (played("line", spec=slow_wheels("line"), feed=feed) for feed in (None, feed_odometry))
     assert without.distance_error_m.max() > 0.02
     assert run.distance_error_m.max() < 0.002

@@ -117,7 +117,7 @@ def test_when_images_stop_coming_zeros_go_out_and_keep_going_out(tmp_path):
 
 
 def test_an_image_that_was_already_old_when_it_arrived_moves_nothing(tmp_path):
-    """Stamped by this host's wall clock, an image's age can be told: taken 1 ms after the first, sent 100 ms later."""
+    """Stamped by this host's wall clock, an image's age is known: taken 1 ms after the first, sent 100 ms later."""
     frames = leader_pictures(2)
     with Onboard(tmp_path, simulated=False) as onboard:
         now_utime = time.time_ns() // 1000

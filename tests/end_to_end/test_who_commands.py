@@ -39,7 +39,7 @@ def test_a_second_coordinator_of_the_same_name_does_not_start(tmp_path):
 
 
 @pytest.mark.fault("second_coordinator")
-def test_while_somebody_else_commands_the_robot_it_sends_zeros_and_says_why(tmp_path):
+def test_while_another_sender_commands_the_robot_it_sends_zeros_and_says_why(tmp_path):
     with Robot(tmp_path) as robot:
         robot.follow()
         own = robot.commands[-1].session

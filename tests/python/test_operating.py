@@ -135,7 +135,7 @@ def test_with_a_key_anyone_stops_and_only_who_has_it_resumes(url, key_file, tmp_
         assert Operator("robot1", lcm_url=url, key_file=key_file).resume().setpoint.run
 
 
-def test_somebody_elses_stop_is_not_ended_by_a_setpoint_that_is_still_being_sent(url):
+def test_another_operators_stop_is_not_ended_by_a_setpoint_that_is_still_being_sent(url):
     """The stop comes while the coordinator refuses (it is too near), so that the operator sends again and again."""
 
     def stop_after_a_refusal(robot):

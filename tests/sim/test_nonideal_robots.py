@@ -176,7 +176,7 @@ def test_any_scenario_can_be_played_with_any_hardware():
 
 def test_a_nonideal_robot_is_followed_and_its_camera_misalignment_shows_in_the_bearing():
     """anticipate: on an ideal robot 0.0 mm and 0.00 degrees. Here the camera looks 0.5 degrees to the left of where its
-    mounting says, which it cannot observe itself; its focal length and tilt cost some millimetres."""
+    mounting says, which is not observable in its pictures; its focal length and tilt cost some millimetres."""
     result = run_experiment(LINE.on_nonideal_robot(), "anticipate", "in-process", duration_s=16.0)
     metrics = result.metrics
     assert metrics.frames_detected_ratio == 1.0

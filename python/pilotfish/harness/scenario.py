@@ -34,7 +34,7 @@ class Scenario:
 
     @classmethod
     def load(cls, file: str | Path) -> Scenario:
-        """Raises ConfigError naming the key, also if a coordinator's file is at fault or nobody follows
+        """Raises ConfigError naming the key, also if a coordinator's file is at fault or no robot follows
         anybody."""
         file = Path(file)
         if not file.is_file():
