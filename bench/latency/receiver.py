@@ -1,4 +1,4 @@
-"""What the receivers answer, and when the kernel got it: independent of the receiver's own scheduling."""
+"""The programs' answers, and when the kernel received them: independent of the receiver's own scheduling."""
 
 from __future__ import annotations
 

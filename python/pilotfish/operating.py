@@ -87,18 +87,16 @@ class Operator:
 
         Until the coordinator shows it, and the wheels (pilotfish-base), if they answer.
         """
-        self.sent, received, received_bases = 0, self._statuses, self._bases
-        wheels_stopped = lambda: (  # noqa: E731
-            self.base is None or (self._bases > received_bases and self._wheels_stopped())
-        )
-        shows_it = self._statuses > received and not self._status().setpoint.run and wheels_stopped()
+        self.sent, received, bases = 0, self._statuses, self._bases
+        wheels_stopped = lambda: self.base is None or (self._bases > bases and self._wheels_stopped())  # noqa: E731
+        shows_it = lambda: self._statuses > received and not self._status().setpoint.run and wheels_stopped()  # noqa: E731
         give_up = time.monotonic() + within_s
         while self.sent < _MIN_STOPS or (not shows_it() and time.monotonic() < give_up):
             kept = self.status.setpoint if self.status else Setpoint()
             self._send(Setpoint.unchecked(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=False))
             self._wait(shows_it, _SEND_EVERY_S if self.sent >= _MIN_STOPS else 0.01)
         if self._statuses == received:
-            only_wheels = self._bases > received_bases and self._wheels_stopped()
+            only_wheels = self._bases > bases and self._wheels_stopped()
             answer = "only its wheels have confirmed" if only_wheels else "none was confirmed"
             raise SilentRobotError(f"{self.sent} stops were sent, and {answer}: {self._no_reply_message(within_s)}")
         if not shows_it():

@@ -27,7 +27,7 @@ MAX_EVALUATIONS = 60  # it settles within 5 to 20; what takes longer does not fi
 @dataclass(frozen=True)
 class Estimate:
     """cMr (N, 4, 4) of the frames, rMt (T, 4, 4) of the tags (the reference's is the identity), and by how much
-    each tag is larger than was said, log (T,)."""
+    each tag is larger than configured, log (T,)."""
 
     cMr: np.ndarray
     rMt: np.ndarray
