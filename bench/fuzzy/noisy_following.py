@@ -84,10 +84,10 @@ def at_steady_state_error(
     scale_m = control.FuzzyVelocityConfig().error_scale_m
     for _ in range(8):
         config = control.FuzzyVelocityConfig(input_sigmas=input_sigmas, error_scale_m=scale_m)
-        calm = mean_of_runs(law, config, sigma_m, seeds)
-        if abs(calm.steady_state_error_m / steady_state_error_m - 1.0) < 0.01:
-            return calm, scale_m
-        scale_m *= steady_state_error_m / calm.steady_state_error_m
+        smoothness = mean_of_runs(law, config, sigma_m, seeds)
+        if abs(smoothness.steady_state_error_m / steady_state_error_m - 1.0) < 0.01:
+            return smoothness, scale_m
+        scale_m *= steady_state_error_m / smoothness.steady_state_error_m
         if scale_m < 4.0 * sigma_m:
             return None
     return None

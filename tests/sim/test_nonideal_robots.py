@@ -115,7 +115,7 @@ def direction_deg(world):
     return np.degrees([math.atan2(x, z), math.atan2(y, z)])
 
 
-def test_a_crooked_camera_sees_the_leader_elsewhere_than_its_mounting_says():
+def test_a_misaligned_camera_sees_the_leader_elsewhere_than_configured():
     straight = direction_deg(world_of())
     right, down = direction_deg(world_of(pan_error_rad=math.radians(0.5))) - straight
     assert (right, down) == pytest.approx((0.5, 0.0), abs=0.01)  # it looks to the left of where it should

@@ -138,10 +138,10 @@ def edited(tmp_path, change):
 
 
 def test_a_run_in_lockstep_is_the_same_to_the_last_bit_even_if_pictures_get_lost(tmp_path):
-    calm, coordinator, recording = play(tmp_path, "--lockstep", "--duration-s", "1.0")
-    assert calm.returncode == 0, calm.stderr
+    quiet, coordinator, recording = play(tmp_path, "--lockstep", "--duration-s", "1.0")
+    assert quiet.returncode == 0, quiet.stderr
     assert coordinator.pictures() == [sim.START_UTIME + round(k * 1e6 / 30) for k in range(30)]
-    # Every fifth picture is overheard once, so it has to be sent again.
+    # Every fifth picture is missed once, so it has to be sent again.
     lossy, coordinator, recording_lossy = play(
         tmp_path,
         "--lockstep",
