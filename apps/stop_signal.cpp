@@ -58,7 +58,7 @@ bool wait_for_stop_signal(int timeout_ms) {
 void set_final_message(const bus::FinalMessage* message) {
   final_message = message;
   on_fault([] {
-    if (const bus::FinalMessage* message = final_message.exchange(nullptr)) message->send();
+    if (const bus::FinalMessage* last = final_message.exchange(nullptr)) last->send();
   });
 }
 
