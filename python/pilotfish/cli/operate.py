@@ -72,7 +72,7 @@ def setpoint(
     """
     with friendly_errors():
         if distance_m is None and bearing_deg is None:
-            raise typer.BadParameter("nothing to change: give --distance-m, --bearing-deg or both")
+            raise typer.BadParameter("nothing to change: say --distance-m, --bearing-deg or both")
         _check_bearing(bearing_deg)
         operator = _operator(robot, lcm_url, key)
         bearing_rad = None if bearing_deg is None else math.radians(bearing_deg)
