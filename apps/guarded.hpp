@@ -7,7 +7,7 @@
 
 namespace pilotfish::apps {
 
-/// What a main does, with an end for what nobody has caught: one line on stderr and kSoftware, instead of an abort
+/// What a main does, with a handler for uncaught exceptions: one line on stderr and kSoftware, instead of an abort
 /// that leaves a core dump and no word. By stdio, which needs no memory.
 template <class Body>
 int guarded(const char* program, const Body& body) noexcept {

@@ -5,7 +5,7 @@
 #include <ctime>
 
 #include "fault_signals.hpp"
-#include "pilotfish/bus/last_words.hpp"
+#include "pilotfish/bus/final_message.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 // library began, and another one reads what it sets: so that is atomic, not merely volatile.
 std::atomic<bool> stop_flag{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
-std::atomic<const bus::LastWords*> last_words{nullptr};
+std::atomic<const bus::FinalMessage*> final_message{nullptr};
 
 // All that end a process by default and are not faults. Suspending from a terminal (Ctrl-Z) would stop the commands
 // of a moving robot: those are ignored.
@@ -51,14 +51,14 @@ void block_stop_signals() {
 
 bool wait_for_stop_signal(int timeout_ms) {
   const sigset_t set = stop_signals();
-  const timespec patience{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
-  return sigtimedwait(&set, nullptr, &patience) > 0;
+  const timespec timeout{timeout_ms / 1000, (timeout_ms % 1000) * 1'000'000L};
+  return sigtimedwait(&set, nullptr, &timeout) > 0;
 }
 
-void set_last_words(const bus::LastWords* words) {
-  last_words = words;
+void set_final_message(const bus::FinalMessage* message) {
+  final_message = message;
   on_fault([] {
-    if (const bus::LastWords* spoken = last_words.exchange(nullptr)) spoken->send();
+    if (const bus::FinalMessage* last = final_message.exchange(nullptr)) last->send();
   });
 }
 

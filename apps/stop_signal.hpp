@@ -1,7 +1,7 @@
 #pragma once
 
 namespace pilotfish::bus {
-class LastWords;
+class FinalMessage;
 }
 
 namespace pilotfish::apps {
@@ -19,6 +19,6 @@ bool wait_for_stop_signal(int timeout_ms);
 
 /// The message sent when the process crashes (SIGSEGV, SIGABRT, SIGBUS, ...) or of std::terminate, before it does.
 /// Must outlive everything else; nullptr: nothing any more.
-void set_last_words(const bus::LastWords* words);
+void set_final_message(const bus::FinalMessage* message);
 
 }  // namespace pilotfish::apps

@@ -31,7 +31,7 @@ examples
   scripts/bench                                 what there is, and how long it takes
   scripts/bench fuzzy                           installs, builds and runs one
   scripts/bench fuzzy vision -- --quick         two, with an argument for both
-  scripts/bench vision -- --help                what one of them can be told
+  scripts/bench vision -- --help                the options of one of them
   scripts/bench --no-build soak -- --hours 0.2  without looking whether anything must be installed or built
   scripts/bench all                             everything: hours, on a computer that does nothing else
 

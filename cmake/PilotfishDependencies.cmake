@@ -1,4 +1,4 @@
-# What Pilotfish stands on, found by name: pilotfish_depend(apriltag "module vision") makes ${pilotfish_targets_apriltag}
+# What Pilotfish depends on, found by name: pilotfish_depend(apriltag "module vision") makes ${pilotfish_targets_apriltag}
 # usable, or says in pilotfish_missing which Debian package is missing. Installed beside pilotfishConfig.cmake, so that a
 # build of Pilotfish and a project that uses it look for the same things in the same way.
 #

@@ -1,4 +1,4 @@
-"""A coordinator's ear and mouth without its vision: gate, heartbeats and status on a real bus, in a thread."""
+"""A coordinator's receiver and sender without its vision: gate, heartbeats and status on a real bus, in a thread."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ class ScriptedCoordinator:
     """Obeys setpoints as pilotfish-coordinator does, and says so with every beat. Use as a context manager."""
 
     def __init__(
-        self, url, robot="robot1", *, key=None, deaf=False, answers_pictures=False, before_beat=lambda played: None
+        self,
+        url,
+        robot="robot1",
+        *,
+        key=None,
+        ignores_setpoints=False,
+        answers_pictures=False,
+        before_beat=lambda played: None,
     ):
         self.bus = bus.Bus(url)
         if key is not None:
@@ -25,7 +32,7 @@ class ScriptedCoordinator:
         self.base_stopped = None  # what a pilotfish-base beside it says; None: there is none
         self._counter = 0
         self._stop = threading.Event()
-        if not deaf:
+        if not ignores_setpoints:
             self.bus.on_setpoint(robot, self._decide)
         if answers_pictures:
             self.bus.on_image(bus.channel(robot, "IMAGE"), lambda frame: self._command(frame.utime))

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <thread>
 
-#include "last_words.hpp"
 #include "line_reader.hpp"
 #include "pilotfish/base/controller_link.hpp"
 #include "pilotfish/base/serial_protocol.hpp"
 #include "serial_port.hpp"
+#include "stop_on_fault.hpp"
 
 namespace pilotfish::apps {
 namespace {
@@ -36,7 +36,7 @@ class SerialDriver final : public Driver {
   }
   SerialDriver(const SerialDriver&) = delete;
   SerialDriver& operator=(const SerialDriver&) = delete;
-  ~SerialDriver() override { last_words_to(-1); }
+  ~SerialDriver() override { set_stop_on_fault_line(-1); }
 
   void drive(const Twist& command, MonotonicTime now) override {
     if (!port_) return;
@@ -56,7 +56,7 @@ class SerialDriver final : public Driver {
     if (!port_ && now.us - lost_at_.us >= kTryAgain_us) try_again(now);
     if (!port_) return;
     const LineReader::Taken taken = reader_->take();
-    for (const base::ControllerLine& line : taken.lines) heard(line);
+    for (const base::ControllerLine& line : taken.lines) on_line(line);
     rejected_ = taken.rejected;
     if (!taken.lost.empty()) lost(taken.lost, now);
   }
@@ -90,11 +90,11 @@ class SerialDriver final : public Driver {
   void open() {
     port_ = std::make_shared<SerialPort>(device_, config_.serial.baud);
     reader_ = std::make_unique<LineReader>(port_);
-    last_words_to(port_->descriptor());
+    set_stop_on_fault_line(port_->descriptor());
   }
 
   void lost(const std::string& why, MonotonicTime now) {
-    last_words_to(-1);
+    set_stop_on_fault_line(-1);
     reader_.reset();
     port_.reset();
     lost_at_ = now;
@@ -117,7 +117,7 @@ class SerialDriver final : public Driver {
     spdlog::info("{} is back", device_);
   }
 
-  void heard(const base::ControllerLine& line) {
+  void on_line(const base::ControllerLine& line) {
     link_.echoed(line.sequence);
     if ((line.faults & base::kFaultWatchdog) != 0 && (faults_ & base::kFaultWatchdog) == 0)
       ++counters_["controller_watchdog"];

@@ -110,7 +110,7 @@ class Loop {
     const bool changed = output.state != last_.state || output.accepted_session != last_.accepted_session ||
                          (output.command == Twist{} && !(last_command_ == Twist{}));
     const bool due = next_period_ <= now;
-    if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) tell(output, now);
+    if (due || changed || (fresh_ && now.us - last_line_.us >= kBetweenLines_us)) send(output, now);
     if (const auto measured = driver_.take_measured()) receive(*measured);
     if (due || changed) report(output, trouble);
     if (changed) log(output, trouble, now);
@@ -119,7 +119,7 @@ class Loop {
     if (due) next_period_ = {std::max(next_period_.us + period_us_, now.us)};
   }
 
-  void tell(const base::BaseOutput& output, MonotonicTime now) {
+  void send(const base::BaseOutput& output, MonotonicTime now) {
     driver_.drive(output.command, now);
     last_command_ = output.command;
     last_line_ = now;

@@ -8,7 +8,6 @@
 #include "driver.hpp"
 #include "exit_codes.hpp"
 #include "guarded.hpp"
-#include "last_words.hpp"
 #include "log.hpp"
 #include "loop.hpp"
 #include "options.hpp"
@@ -18,6 +17,7 @@
 #include "serial_port.hpp"
 #include "service_notify.hpp"
 #include "standard_streams.hpp"
+#include "stop_on_fault.hpp"
 #include "stop_signal.hpp"
 
 namespace pilotfish::apps {
@@ -96,7 +96,7 @@ int program(int argc, char** argv) {
   if (describes_config(parsed.options, config::describe_base_config, config::describe_base_config_as_json_schema))
     return kOk;
   catch_stop_signals();
-  prepare_last_words();
+  prepare_stop_on_fault();
   Log log({true, true});
   if (parsed.options.quiet) spdlog::set_level(spdlog::level::warn);
   const int code = run_or_say_why_not(parsed.options);

@@ -55,7 +55,7 @@ void CommandSender::send(const HeldAnswer& answer, std::int64_t image_utime, Mon
   report.session = config_.session;
   report.counter = ++sent_;
   report.base_session = base_session_;
-  // Between this and its leaving, the process may be stopped: the wheels must be able to tell.
+  // Between this and its leaving, the process may be stopped: the wheels must be able to detect that.
   if (!(answer.command == Twist{})) report.valid_until_us = base_clock_.convert(held_.until).value_or(held_.until.us);
   report.simulated = config_.simulated;
   report.command = answer.command;

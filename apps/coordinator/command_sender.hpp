@@ -74,7 +74,7 @@ class CommandSender {
   SenderCounts counts() const;
   /// Commands so far, without waiting for one that is just leaving.
   std::int64_t sent() const { return sent_; }
-  /// Of its own thread: it is alive if this rises. Waits for nobody, so it can be asked while the thread is stuck.
+  /// Of its own thread: it is alive if this rises. Never blocks, so it can be asked while the thread is stuck.
   std::int64_t beats() const { return beats_; }
 
  private:

@@ -57,10 +57,10 @@ class Loop {
  private:
   void work() {
     const std::chrono::microseconds period(static_cast<std::int64_t>(1e6 / config_.frame_rate_hz));
-    const std::chrono::microseconds patience = parts_.pull ? std::chrono::microseconds(0) : period + period / 2;
+    const std::chrono::microseconds timeout = parts_.pull ? std::chrono::microseconds(0) : period + period / 2;
     while (!parts_.stop_requested()) {
       parts_.progress();
-      Inbox::Taken taken = parts_.inbox.take(patience);
+      Inbox::Taken taken = parts_.inbox.take(timeout);
       for (const Received& received : taken.received) std::visit([this](const auto& each) { receive(each); }, received);
       if (parts_.pull) {
         std::optional<Frame> frame = parts_.pull();

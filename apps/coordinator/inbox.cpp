@@ -21,9 +21,9 @@ void Inbox::put(const Received& received) {
   changed_.notify_one();
 }
 
-Inbox::Taken Inbox::take(std::chrono::microseconds patience) {
+Inbox::Taken Inbox::take(std::chrono::microseconds timeout) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, patience, [&] { return woken_ || newest_.has_value() || !received_.empty(); });
+  changed_.wait_for(lock, timeout, [&] { return woken_ || newest_.has_value() || !received_.empty(); });
   woken_ = false;
   Taken taken;
   taken.frame = std::exchange(newest_, std::nullopt);

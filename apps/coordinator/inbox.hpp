@@ -50,8 +50,8 @@ class Inbox {
     std::optional<PendingFrame> frame;
     std::vector<Received> received;
   };
-  /// What there is, waiting `patience` at most for the first of it.
-  Taken take(std::chrono::microseconds patience);
+  /// What there is, waiting `timeout` at most for the first of it.
+  Taken take(std::chrono::microseconds timeout);
   void wake();  ///< take() returns at once, with nothing
 
   std::int64_t overtaken() const;  ///< frames that were replaced before they were processed

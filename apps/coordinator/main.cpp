@@ -185,13 +185,13 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
     reports.on_published(tap);
   }
   // After these no command of this session counts any more.
-  bus::CommandReport dying;
-  dying.session = session;
-  dying.counter = std::numeric_limits<std::int64_t>::max();
-  dying.status = Status::invalid_input;
-  dying.reason = Reason::internal_error;
-  const std::unique_ptr<bus::LastWords> last_words = commands.last_words(file.name, dying);
-  set_last_words(last_words.get());
+  bus::CommandReport final_command;
+  final_command.session = session;
+  final_command.counter = std::numeric_limits<std::int64_t>::max();
+  final_command.status = Status::invalid_input;
+  final_command.reason = Reason::internal_error;
+  const std::unique_ptr<bus::FinalMessage> final_message = commands.final_message(file.name, final_command);
+  set_final_message(final_message.get());
 
   lock_memory();
   SenderConfig sending{session, file.frame_rate_hz, file.coordinator.safety.max_age_s, simulated, nullptr};
@@ -236,7 +236,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   supervisor.ended();
   source.camera.reset();
   listener.stop();
-  set_last_words(nullptr);
+  set_final_message(nullptr);
   if (supervisor.failed()) return kSoftware;
   spdlog::info("ended; zero commands sent");
   return kOk;

@@ -65,18 +65,19 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(CLI::IsMember(control::law_names(control::FollowerConfig{})));
   app.add_option("--profile", options.profile, "how the fuzzy law drives: as published, or around a feed-forward")
       ->check(CLI::IsMember({"paper", "anticipate"}));
-  app.add_option("--tuning", options.tuning, "parameters of the law, as pilotfish tune writes them; they win");
+  app.add_option("--tuning", options.tuning,
+                 "parameters of the law, as pilotfish tune writes them; they override the configuration");
   app.add_option("--odometry", options.odometry, "where the own twist is measured: nowhere, or on NAME_POSE")
       ->check(CLI::IsMember({"none", "pose"}));
   app.add_option("--leader-intent-from", options.leader_intent_from,
-                 "the leader's name on the bus, to receive what it announces on its NAME_MOTION; none: nobody");
+                 "the leader's name on the bus, to receive what it announces on its NAME_MOTION; none: disabled");
   app.add_option("--black-box", options.black_box,
                  "folder for a ring of recordings, from which pilotfish replay recomputes every command");
   app.add_flag(
       "--simulated-time", options.simulated_time,
       "time passes as the images' stamps say, for pilotfish-sim in lock-step: real wheels ignore such commands");
   app.add_flag("--live", options.live,
-               "let files (video:, images:, log:) speak on the bus; otherwise they stay inside this process");
+               "with files (video:, images:, log:), publish on the bus; otherwise nothing leaves this process");
   app.add_flag("--json", options.json, "print one JSON object per frame on stdout (and the log on stderr)");
   try {
     app.parse(argc, argv);

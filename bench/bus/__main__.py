@@ -50,7 +50,7 @@ def transport_us(frames: int, jpeg: bool) -> dict[str, np.ndarray]:
 
 
 def flood_us() -> dict[str, float]:
-    """CPU time of a receiver's process per datagram on a channel nobody subscribed to."""
+    """CPU time of a receiver's process per datagram on a channel without a subscriber."""
     cost = {}
     for name in RECEIVERS:
         idle = Receiver(name)

@@ -3,7 +3,7 @@
 Takes: 40 minutes; 1 with --quick.
 scripts/bench following                   5 seeds
 scripts/bench following -- --quick        1 seed, drawn measurements instead of pictures
-scripts/bench following -- --hardware honest --scenario line    a robot as it comes out of a workshop, rendered
+scripts/bench following -- --hardware nonideal --scenario line    a non-ideal robot, rendered
 scripts/bench following -- --robots       robots and cameras that are not ideal, all laws; 3 minutes
 """
 
@@ -39,7 +39,7 @@ def main(
     seeds: Annotated[int, typer.Option(min=1, help="Runs of each scenario and law.")] = 5,
     robots: Annotated[bool, typer.Option("--robots", help="Robots that are not ideal, instead.")] = False,
     hardware: Annotated[
-        str | None, typer.Option(help="The robot, a file of data/hardware, of which nobody tells the coordinator.")
+        str | None, typer.Option(help="The robot, a file of data/hardware, not in the coordinator's configuration.")
     ] = None,
     scenario: Annotated[list[str] | None, typer.Option(help="Only this one (may be repeated).")] = None,
     out: Annotated[Path, typer.Option(help="Folder for following.json, following.png and recordings.")] = Path("out"),

@@ -27,7 +27,7 @@ def play(
 ) -> Recording:
     """One run: the fuzzy law with what it ships with, a baseline with what `pilotfish tune` found. `noise`: drawn
     measurements with so much of the usual noise instead of rendered pictures. `delays`: (latency_s, actuator_lag_s) of
-    the robot, which its coordinator is told as well. `hardware`: a file of data/hardware, which it is not told."""
+    the robot, also in its coordinator's configuration. `hardware`: a file of data/hardware, which is not."""
     scenario = Scenario.load(data.path(f"scenarios/{which}.yaml"))
     spec = sim.load_scenario(scenario.file)
     spec.seed = seed

@@ -23,7 +23,7 @@ FRAME_S = 1.0 / 30.0
 
 @dataclass(frozen=True)
 class Condition:
-    """Nobody tells the laws of it."""
+    """Unmodelled: not in the laws' configuration."""
 
     name: str
     timing: Timing = field(default_factory=Timing)
@@ -32,7 +32,7 @@ class Condition:
     slow_camera: bool = False  # with the explicit mode for it: max_age_s 0.2 and at most 0.3 m/s
 
 
-HONEST = Wheels(lag_s=0.12, slip=0.02, slip_sigma=0.015, step_mps=0.005, gain=0.99)
+NONIDEAL = Wheels(lag_s=0.12, slip=0.02, slip_sigma=0.015, step_mps=0.005, gain=0.99)
 LATE = Timing(latency_s=0.054, latency_jitter_s=0.01)
 CONDITIONS = (
     Condition("ideal"),
@@ -47,8 +47,8 @@ CONDITIONS = (
     Condition("lag 300 ms", wheels=Wheels(lag_s=0.3)),
     Condition("stamps off by 10 ms", Timing(stamp_jitter_s=0.01)),
     Condition("vibration 0.2 deg", vibration_deg=0.2),
-    Condition("honest wheels, late camera", LATE, HONEST),
-    Condition("the same, vibrating 0.1 deg", LATE, HONEST, vibration_deg=0.1),
+    Condition("non-ideal wheels, late camera", LATE, NONIDEAL),
+    Condition("the same, vibrating 0.1 deg", LATE, NONIDEAL, vibration_deg=0.1),
 )
 
 

@@ -81,7 +81,7 @@ def _width_table(curve: list[Width]) -> Table:
     table = Table(
         title="Inputs k sigma wide, against singletons at the same steady-state error",
         title_justify="left",
-        caption="ratios of RMS changes from frame to frame: below 1 is calmer",
+        caption="ratios of RMS changes from frame to frame: below 1 is smoother",
     )
     headings = ("sigma [mm]", "k", "stands at [mm]", "matched scale [m]", "wanted speed", "command", "distance")
     for heading in headings:

@@ -102,7 +102,7 @@ def table_error(controller: fuzzy.Controller) -> float:
 
 @dataclass(frozen=True)
 class Width:
-    """Inputs of k sigma against singletons at one noise; ratios below 1 are calmer."""
+    """Inputs of k sigma against singletons at one noise; ratios below 1 are smoother."""
 
     sigma_m: float
     input_sigmas: float
@@ -124,9 +124,9 @@ def widths(controller: fuzzy.Controller, quick: bool) -> list[Width]:
             matched = at_steady_state_error(controller, k, singleton.steady_state_error_m, sigma_m, seeds)
             ratios = [None] * 4
             if matched is not None:
-                calm, scale_m = matched
+                smoothness, scale_m = matched
                 names = ("wanted_change_rms_mps", "command_change_rms_mps", "distance_rms_m")
-                ratios = [scale_m, *(getattr(calm, name) / getattr(singleton, name) for name in names)]
+                ratios = [scale_m, *(getattr(smoothness, name) / getattr(singleton, name) for name in names)]
             found.append(Width(sigma_m, k, as_shipped.steady_state_error_m, *ratios))
     return found
 

@@ -21,8 +21,8 @@ DURATION_S = 50.0
 
 
 @dataclass(frozen=True)
-class Calm:
-    """How calm one law was, and at what steady-state error."""
+class Smoothness:
+    """Command variation of one law, and its steady-state error."""
 
     steady_state_error_m: float  # mean of d_p - d
     distance_rms_m: float  # of d about its mean
@@ -32,7 +32,7 @@ class Calm:
 
 def follow_noisily(
     law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sigma_m: float, seed: int, leader_mps: float = 0.2
-) -> Calm:
+) -> Smoothness:
     """One run; sigma_m: of the noise, known to the law (as vision's covariance says it)."""
     rng = np.random.default_rng(seed)
     limits = control.LimitsConfig()
@@ -52,23 +52,27 @@ def follow_noisily(
         errors.append(SETPOINT_M - distance_m)
     settled = slice(round(SETTLING_S / PERIOD_S), None)
     error = np.array(errors[settled])
-    return Calm(float(error.mean()), float(error.std()), _change_rms(wanted[settled]), _change_rms(commanded[settled]))
+    return Smoothness(
+        float(error.mean()), float(error.std()), _change_rms(wanted[settled]), _change_rms(commanded[settled])
+    )
 
 
 def _change_rms(values: list[float]) -> float:
     return float(np.sqrt(np.mean(np.diff(values) ** 2)))
 
 
-def mean_of_runs(law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sigma_m: float, seeds: range) -> Calm:
+def mean_of_runs(
+    law: fuzzy.Controller, config: control.FuzzyVelocityConfig, sigma_m: float, seeds: range
+) -> Smoothness:
     """The mean of several runs, figure by figure."""
     runs = [follow_noisily(law, config, sigma_m, seed) for seed in seeds]
-    names = Calm.__dataclass_fields__
-    return Calm(**{name: float(np.mean([getattr(run, name) for run in runs])) for name in names})
+    names = Smoothness.__dataclass_fields__
+    return Smoothness(**{name: float(np.mean([getattr(run, name) for run in runs])) for name in names})
 
 
 def at_steady_state_error(
     law: fuzzy.Controller, input_sigmas: float, steady_state_error_m: float, sigma_m: float, seeds: range
-) -> tuple[Calm, float] | None:
+) -> tuple[Smoothness, float] | None:
     """The law with inputs that wide, its error scale [m] chosen so that it stands at the given error, within 1 %.
 
     A wide B' fires rules for leaders that come and leave as well, and the table answers the two unequally: the
@@ -80,10 +84,10 @@ def at_steady_state_error(
     scale_m = control.FuzzyVelocityConfig().error_scale_m
     for _ in range(8):
         config = control.FuzzyVelocityConfig(input_sigmas=input_sigmas, error_scale_m=scale_m)
-        calm = mean_of_runs(law, config, sigma_m, seeds)
-        if abs(calm.steady_state_error_m / steady_state_error_m - 1.0) < 0.01:
-            return calm, scale_m
-        scale_m *= steady_state_error_m / calm.steady_state_error_m
+        smoothness = mean_of_runs(law, config, sigma_m, seeds)
+        if abs(smoothness.steady_state_error_m / steady_state_error_m - 1.0) < 0.01:
+            return smoothness, scale_m
+        scale_m *= steady_state_error_m / smoothness.steady_state_error_m
         if scale_m < 4.0 * sigma_m:
             return None
     return None

@@ -1,4 +1,4 @@
-"""The picture of the benchmark: ratios to the baselines, and how calm wide inputs make the law."""
+"""The picture of the benchmark: ratios to the baselines, and the command variation with non-singleton inputs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pilotfish.plots.style import BLUE, GREEN, ORANGE, SKY, VERMILLION, save, st
 
 
 def draw(rows: list[Row], curve: list[Width], file: Path) -> Path:
-    """Left the ratios with their goals, right the RMS change of the wanted speed over k."""
+    """Left the ratios with their goals, right the RMS change of the law's speed output over k."""
     with style():
         figure = Figure(figsize=(12.0, 4.6))
         left, right = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
@@ -34,7 +34,7 @@ def draw(rows: list[Row], curve: list[Width], file: Path) -> Path:
             right.plot([0.0, *k], [1.0, *ratios], "o-", color=colour, label=f"sigma {sigma_m * 1e3:.0f} mm")
         right.set_ylim(0.0, 1.1)
         right.set_xlabel("width of the inputs, k sigma")
-        right.set_ylabel("RMS change of the wanted speed,\nagainst singletons at the same steady-state error")
-        right.set_title("Calm")
+        right.set_ylabel("RMS change of the speed output,\nagainst singletons at the same steady-state error")
+        right.set_title("Command variation")
         right.legend()
     return save(figure, file)

@@ -35,7 +35,7 @@ struct Baseline {
   }
 };
 
-void heard(const lcm_recv_buf_t* received, const char* /*channel*/, void* baseline) {
+void on_image(const lcm_recv_buf_t* received, const char* /*channel*/, void* baseline) {
   static_cast<Baseline*>(baseline)->answer(static_cast<const std::uint8_t*>(received->data), received->data_size);
 }
 
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
   parameters.sched_priority = kPriority;
   if (sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)  // before liblcm starts its thread, which inherits it
     std::puts("no real-time scheduling");
-  if (lcm_subscribe(baseline.lcm, "ROBOT1_IMAGE", heard, &baseline) == nullptr) return 69;
+  if (lcm_subscribe(baseline.lcm, "ROBOT1_IMAGE", on_image, &baseline) == nullptr) return 69;
   std::puts("ready");
   std::fflush(stdout);
   while (lcm_handle(baseline.lcm) == 0) {

@@ -38,7 +38,7 @@ def goal_text(condition: str) -> str:
 
 
 def rows_of(condition: str, found: list[Delays]) -> list[Row]:
-    """One an arm. A picture that nobody answered took for ever."""
+    """One an arm. The time of an unanswered picture is infinite."""
     p50_ms = {(arm.receiver, arm.picture): quantile(_with_unanswered(arm), 0.5) for arm in found}
     rows = []
     for arm in found:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import lcm
-from ear import Ear, Heard
+from receiver import Received, Receiver
 
 from bench.common import wire
 from bench.common.processes import process, real_time, work
@@ -67,7 +67,7 @@ class Delays:
 class _Arm:
     def __init__(self, receiver: str, picture: str, pictures: list[bytearray], url: str) -> None:
         self.receiver, self.picture = receiver, picture
-        self.ear, self._out, self._pictures = Ear(url), lcm.LCM(url), pictures
+        self.receiver, self._out, self._pictures = Receiver(url), lcm.LCM(url), pictures
         self._sent_ns: dict[int, int] = {}
         self._first_ms = 0.0
 
@@ -80,26 +80,26 @@ class _Arm:
         self._out.publish("ROBOT1_IMAGE", encoded)
 
     def begin(self) -> None:
-        """What was heard so far is forgotten, but for the first answer."""
+        """What was received so far is forgotten, but for the first answer."""
         self._first_ms = next(iter(self._answered()), math.inf)
         self._sent_ns.clear()
-        self.ear.heard = Heard()
+        self.receiver.received = Received()
 
     def _answered(self) -> list[float]:
-        answers_ns = self.ear.heard.answers_ns
+        answers_ns = self.receiver.received.answers_ns
         return [(answers_ns[utime] - sent_ns) * 1e-6 for utime, sent_ns in self._sent_ns.items() if utime in answers_ns]
 
     def delays(self) -> Delays:
-        heard, found = self.ear.heard, self._answered()
+        received, found = self.receiver.received, self._answered()
         return Delays(
             self.receiver,
             self.picture,
             len(self._sent_ns),
             found,
-            heard.tracking,
-            heard.other_commands,
-            heard.looked_ms,
-            heard.inside_ms,
+            received.tracking,
+            received.other_commands,
+            received.looked_ms,
+            received.inside_ms,
             self._first_ms,
         )
 
@@ -118,7 +118,7 @@ def measure(condition: Condition, frames: int, bare_transport: Path) -> list[Del
                 child = stack.enter_context(Child([*_on(condition.receiver_cores), *command, url], Path(folder), name))
                 child.wait_until(lambda child=child: "ready" in child.stdout(), 20.0, "being ready")
                 arms.append(_Arm(receiver, picture, pictures[picture], url))
-                stack.callback(arms[-1].ear.close)
+                stack.callback(arms[-1].receiver.close)
         stack.enter_context(_on_cores(condition.sender_cores))
         stack.callback(real_time, 0)
         real_time(SENDER_PRIORITY)
@@ -146,7 +146,7 @@ def moving_leader() -> dict[str, list[bytearray]]:
 def _show(arms: list[_Arm], frames: int) -> None:
     """To every arm at the camera's rate, without a pause behind the first ones. A turn that comes late moves the later
     ones; nothing is made up for."""
-    ears = {arm.ear.fileno(): arm.ear for arm in arms}
+    receivers = {arm.receiver.fileno(): arm.receiver for arm in arms}
     turn_s = 1.0 / RATE_HZ / len(arms)
     due_s = time.monotonic()
     for number in range(WARM_UP + frames):
@@ -155,14 +155,14 @@ def _show(arms: list[_Arm], frames: int) -> None:
                 arm.begin()
             arm.show(number)
             due_s = max(due_s + turn_s, time.monotonic())
-            _listen(ears, due_s)
-    _listen(ears, due_s + 0.5)
+            _listen(receivers, due_s)
+    _listen(receivers, due_s + 0.5)
 
 
-def _listen(ears: dict[int, Ear], until_s: float) -> None:
+def _listen(receivers: dict[int, Receiver], until_s: float) -> None:
     while (seconds := until_s - time.monotonic()) > 0:
-        for ready in select.select(list(ears), [], [], seconds)[0]:
-            ears[ready].listen()
+        for ready in select.select(list(receivers), [], [], seconds)[0]:
+            receivers[ready].listen()
 
 
 def _on(cores: frozenset[int]) -> list[str]:

@@ -1,4 +1,4 @@
-"""How fast the wheels are told to stand still when something dies.
+"""How fast the wheels are commanded to stand still when something dies.
 
 Takes: 40 minutes; 2 with --quick.
 scripts/bench safety
@@ -44,7 +44,7 @@ def main(
     rate_hz: Annotated[float, typer.Option(min=5.0, max=60.0, help="The camera's, in loss-deadline.")] = 30.0,
     out: Annotated[Path, typer.Option(help="Folder for safety.json.")] = Path("out"),
 ) -> None:
-    """Something dies, or the leader is lost, while the robot moves: how long until the wheels are told zero?"""
+    """Something dies, or the leader is lost, while the robot moves: how long until the wheels are commanded zero?"""
     for asked, known in ((part, PARTS), (kind, [*KINDS, *FAULTS]), (load, list(LOADS))):
         if wrong := set(asked or ()) - set(known):
             raise typer.BadParameter(f"{', '.join(sorted(wrong))}: there is {', '.join(known)}")

@@ -1,4 +1,4 @@
-"""The sender of commands is killed or stopped while the wheels turn: how long until they are told zero?
+"""The sender of commands is killed or stopped while the wheels turn: how long until they are commanded zero?
 
 A child process sends 30 commands a second, as a coordinator does. At a random instant it gets the signal; the clock
 runs from just before the signal to the moment when the first zero has been read at the other end of the serial line. A
@@ -65,7 +65,7 @@ def measure(kind: str, repetitions: int, *, busy_loops: int = 0) -> Deadline:
         stack.callback(real_time, 0)
         real_time(10)
         wheels = _Wheels(line, url, base)
-        wheels.wait(lambda: bool(wheels.session), "pilotfish-base did not speak")
+        wheels.wait(lambda: bool(wheels.session), "pilotfish-base did not answer")
         sender = stack.enter_context(process(_send, url, wheels.session))
         for _ in range(repetitions):
             wheels.wait(lambda: wheels.moving, "the wheels do not turn")
@@ -77,13 +77,13 @@ def measure(kind: str, repetitions: int, *, busy_loops: int = 0) -> Deadline:
             deadline.bus_ms.append(1e3 * (wheels.bus_zero_s - sent_s))
             wheels.watch(0.06)
             deadline.moved_after += wheels.moved_after
-            sender.kill()  # one that was stopped, too: what it would send next belongs to nobody
+            sender.kill()  # one that was stopped, too: what it would send next belongs to no run
             sender = stack.enter_context(process(_send, url, wheels.session))
     return deadline
 
 
 class _Wheels:
-    """What they are told, on the line and as the base says it on the bus."""
+    """What they are commanded, on the line and as the base says it on the bus."""
 
     def __init__(self, line: SerialLine, url: str, base: Child) -> None:
         self.session = 0

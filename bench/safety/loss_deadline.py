@@ -79,8 +79,8 @@ class _Camera:
         rng = np.random.default_rng(1)
         self.grays = [(128 + rng.integers(-3, 4, (480, 640))).astype(np.uint8).tobytes() for _ in range(30)]
         self.out = lcm.LCM(url)
-        self.ear = bus.Bus(url)
-        self.ear.on_command("robot1", self._heard)
+        self.receiver = bus.Bus(url)
+        self.receiver.on_command("robot1", self._on_command)
         self.sent = 0
         self.next_s = time.monotonic()
         self.last_good_us = self.zero_us = 0
@@ -103,7 +103,7 @@ class _Camera:
                 self._pass_a_period()
 
     def begin_fault(self, fault: str) -> None:
-        """Until a zero has been heard, and a quarter of a second longer."""
+        """Until a zero has been received, and a quarter of a second longer."""
         self.watching, self.zero_us, self.moved_after = True, 0, 0
         stamp, last_picture = time.monotonic_ns() // 1000, self.pictures[(self.sent - 1) % 30]
         end_s, k = time.monotonic() + WITHIN_S, 0
@@ -134,11 +134,11 @@ class _Camera:
     def _pass_a_period(self) -> None:
         self.next_s = max(self.next_s + self.period_s, time.monotonic())
         while (left_s := self.next_s - time.monotonic()) > 0:
-            self.ear.handle(max(int(left_s * 1e3), 1))
+            self.receiver.handle(max(int(left_s * 1e3), 1))
 
-    def _heard(self, report: bus.CommandReport) -> None:
+    def _on_command(self, report: bus.CommandReport) -> None:
         self.moving = report.command.linear_mps != 0.0 or report.command.angular_radps != 0.0
-        at_us = self.ear.arrival_us
+        at_us = self.receiver.arrival_us
         if not self.watching or at_us < self.last_good_us:
             return
         if not self.moving and self.zero_us == 0:

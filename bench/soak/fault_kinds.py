@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from intruders import (
     endless_fragments,
+    false_intents,
     forgeries,
-    intents_that_lie,
     liblcm_killer,
     random_datagrams,
     second_camera,
@@ -133,7 +133,7 @@ FAULTS: dict[str, Fault] = {
     "forgeries": Fault("forged commands, setpoints, base", forgeries),
     "setpoint-flood": Fault("a flood of setpoints", setpoint_flood, longest_s=1.0),
     "stop-resume": Fault("stop, and resume", stop_and_resume),
-    "lies": Fault("a leader that announces lies", intents_that_lie),
+    "false-intents": Fault("a leader that announces false twists", false_intents),
     "second-camera": Fault("a second camera on the channel", second_camera),
     "second-coordinator": Fault("a second coordinator commands", second_coordinator, _SELDOM, 0.4, True),
 }

@@ -53,11 +53,11 @@ def endless_fragments(robot: Robot, rng: random.Random, duration_s: float) -> No
 
 
 def forgeries(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    """By one who knows everything but the key: the sessions, and counters that would be accepted."""
+    """From a sender with everything but the key: the sessions, and counters that would be accepted."""
     end_s = robot.now_s + duration_s
     moving = Twist(linear_mps=0.6, angular_radps=1.0)
     while robot.now_s < end_s:
-        robot.stranger.publish_command(
+        robot.unauthorised_bus.publish_command(
             NAME,
             CommandReport(
                 utime=robot.now_us(),
@@ -70,39 +70,39 @@ def forgeries(robot: Robot, rng: random.Random, duration_s: float) -> None:
                 status=Status.tracking,
             ),
         )
-        _publish(robot, robot.stranger, distance_m=rng.uniform(0.05, 5.0), run=True)
-        robot.stranger.publish_base(NAME, BaseReport(utime=0, session=FORGED_SESSION, command=moving))
+        _publish(robot, robot.unauthorised_bus, distance_m=rng.uniform(0.05, 5.0), run=True)
+        robot.unauthorised_bus.publish_base(NAME, BaseReport(utime=0, session=FORGED_SESSION, command=moving))
         robot.show_good()
 
 
 def setpoint_flood(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    """Many with every picture, from one who may speak."""
+    """Many with every picture, from an authorised sender."""
     end_s = robot.now_s + duration_s
     while robot.now_s < end_s:
         for _ in range(100):
-            _publish(robot, robot.mouth, distance_m=rng.uniform(1.0, 1.2), run=True)
+            _publish(robot, robot.authorised_bus, distance_m=rng.uniform(1.0, 1.2), run=True)
         robot.show_good()
-    _publish(robot, robot.mouth, distance_m=_KEPT_M, run=True)
+    _publish(robot, robot.authorised_bus, distance_m=_KEPT_M, run=True)
 
 
 def stop_and_resume(robot: Robot, rng: random.Random, duration_s: float) -> None:
-    """A stop from the operator or from a stranger, who is accepted as well; the resume is the operator's."""
-    who = rng.choice([robot.mouth, robot.stranger])
+    """A stop from the operator or from a sender without the key, accepted as well; the resume is the operator's."""
+    who = rng.choice([robot.authorised_bus, robot.unauthorised_bus])
     _ask_until(robot, lambda: _publish(robot, who, distance_m=_KEPT_M, run=False), stopped=True)
     end_s = robot.now_s + duration_s
     while robot.now_s < end_s:
         robot.show_good()
         if robot.moving:
             robot.violations.append(f"stop-resume: moves although stopped, at {robot.now_s:.1f} s of robot time")
-    _ask_until(robot, lambda: _publish(robot, robot.mouth, distance_m=_KEPT_M, run=True), stopped=False)
+    _ask_until(robot, lambda: _publish(robot, robot.authorised_bus, distance_m=_KEPT_M, run=True), stopped=False)
 
 
-def intents_that_lie(robot: Robot, rng: random.Random, duration_s: float) -> None:
+def false_intents(robot: Robot, rng: random.Random, duration_s: float) -> None:
     end_s = robot.now_s + duration_s
     while robot.now_s < end_s:
-        lie = Twist(linear_mps=rng.uniform(-2, 2), angular_radps=rng.uniform(-3, 3))
+        false_twist = Twist(linear_mps=rng.uniform(-2, 2), angular_radps=rng.uniform(-3, 3))
         stamp_us = robot.now_us() + rng.choice([0, 0, 0, -(10**6), 10**9])
-        robot.mouth.publish_motion("leader", MotionReport(utime=stamp_us, twist=lie))
+        robot.authorised_bus.publish_motion("leader", MotionReport(utime=stamp_us, twist=false_twist))
         robot.show_good()
 
 
@@ -123,7 +123,7 @@ def second_coordinator(robot: Robot, rng: random.Random, duration_s: float) -> N
         command = CommandReport(
             utime=robot.now_us(), session=session, counter=counter, base_session=robot.base_session, simulated=True
         )
-        robot.mouth.publish_command(NAME, command)
+        robot.authorised_bus.publish_command(NAME, command)
         robot.show_good()
 
 

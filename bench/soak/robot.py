@@ -31,7 +31,7 @@ RULE_S = 0.1  # nothing moves on a measurement that is older
 LEAP_US = 3_600_000_000  # between two stamps: the simulated clock does not accept more
 INTERRUPTION_S = 0.2  # of the wall: this script did not run for so long
 _YOUNG_S = 3.5  # so long a pilotfish-base makes place for another, also for a forged one
-_PATIENCE_S = 0.5  # of the wall: then the picture, or its answer, was lost
+_ANSWER_TIMEOUT_S = 0.5  # of the wall: then the picture, or its answer, was lost
 _GIVE_UP = 20
 _REMEMBERED = 1000  # stamps
 
@@ -51,12 +51,12 @@ class Robot:
         self.frames = self.commands = self.resent = 0
         self.interrupted = 0  # this script did not run for a while
         self.counter = 0  # of the last setpoint that was sent
-        # what was heard last
+        # what was received last
         self.session = self.base_session = 0
         self.status, self.tracking, self.moving = Status.searching, False, False
         self.base_driving = self.base_stopped = False
         self.said = ""  # the last command's status and reason
-        self.stood = False  # a zero was heard since somebody set this to false
+        self.stood = False  # a zero was received since this was set to false
         self.refused: dict[str, dict[str, int]] = {}  # what each process has counted
         self._answered, self._awaited = False, 0
         self._shown_at_s: dict[int, float] = {}
@@ -78,15 +78,15 @@ class Robot:
             self.children = {"coordinator": self.coordinator, "base": base}
             self.key = bus.load_key(str(key_file))
             self.out = lcm.LCM(self.url)
-            self.mouth = bus.Bus(self.url)  # with the key
-            self.mouth.set_key(self.key)
-            self.stranger = bus.Bus(self.url)  # without
-            self.ear = bus.Bus(self.url)
-            self.ear.set_key(self.key)
-            self.ear.on_command(NAME, self._command_heard)
-            self.ear.on_base(NAME, self._base_heard)
+            self.authorised_bus = bus.Bus(self.url)  # with the key
+            self.authorised_bus.set_key(self.key)
+            self.unauthorised_bus = bus.Bus(self.url)  # without
+            self.receiver = bus.Bus(self.url)
+            self.receiver.set_key(self.key)
+            self.receiver.on_command(NAME, self._on_command)
+            self.receiver.on_base(NAME, self._on_base)
             self.datagrams = stack.enter_context(_Datagrams(self.url))
-            self._wait(lambda: self.session != 0 and self.base_session != 0, "both speak")
+            self._wait(lambda: self.session != 0 and self.base_session != 0, "both send")
             grown_up_s = time.monotonic() + _YOUNG_S
             self._wait(lambda: time.monotonic() > grown_up_s, "some seconds")
             self._children = stack.pop_all()
@@ -129,11 +129,11 @@ class Robot:
         for _ in range(_GIVE_UP):
             self.out.publish("ROBOT1_IMAGE", encoded)
             if not answered:
-                self._hear(0.001)
+                self._receive(0.001)
                 return
-            end_s = time.monotonic() + _PATIENCE_S
+            end_s = time.monotonic() + _ANSWER_TIMEOUT_S
             while not self._answered and (left_s := end_s - time.monotonic()) > 0:
-                self._hear(left_s)
+                self._receive(left_s)
             if self._answered:
                 return
             self.resent += 1
@@ -150,13 +150,13 @@ class Robot:
         wall_s = time.monotonic()
         self._next_wall_s = max(self._next_wall_s + duration_s, wall_s) if by_the_wall else wall_s
         while (left_s := self._next_wall_s - time.monotonic()) > 0:
-            self._hear(left_s)
+            self._receive(left_s)
         self.now_s += duration_s
 
-    def _hear(self, at_most_s: float) -> None:
+    def _receive(self, at_most_s: float) -> None:
         """In small pieces, so that a longer time in here can only mean that this script was not running."""
         wait_s = min(at_most_s, 0.02)
-        self.ear.handle(max(int(wait_s * 1e3), 1))
+        self.receiver.handle(max(int(wait_s * 1e3), 1))
         now_s = time.monotonic()
         self.interrupted += now_s - self._last_wall_s > wait_s + INTERRUPTION_S
         self._last_wall_s = now_s
@@ -164,11 +164,11 @@ class Robot:
     def _wait(self, condition: Callable[[], bool], what: str) -> None:
         end_s = time.monotonic() + 10.0
         while not condition():
-            self.ear.handle(20)
+            self.receiver.handle(20)
             if time.monotonic() > end_s:
                 raise self.coordinator.error(f"not within 10 s: {what}")
 
-    def _command_heard(self, report: bus.CommandReport) -> None:
+    def _on_command(self, report: bus.CommandReport) -> None:
         if self.session == 0:
             self.session = report.session
         if report.session != self.session:
@@ -183,14 +183,14 @@ class Robot:
             self._answered = True
         if not self.moving:
             return
-        # In lock-step what is heard belongs to the picture it answers; where nothing answers, to now.
+        # In lock-step what is received belongs to the picture it answers; where nothing answers, to now.
         at_s = self.now_s if self._by_the_wall else self._shown_at_s.get(report.utime, self.now_s)
         age_s = at_s - self.last_good_s
         if age_s > RULE_S + 1e-6:
             what = f"{report.status.name} on a measurement {age_s:.3f} s old"
             self.violations.append(f"{self.fault or 'no fault'}: {what}, at {self.now_s:.1f} s of robot time")
 
-    def _base_heard(self, report: bus.BaseReport) -> None:
+    def _on_base(self, report: bus.BaseReport) -> None:
         if report.session == FORGED_SESSION:
             return
         self.base_session = report.session

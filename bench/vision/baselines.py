@@ -2,7 +2,7 @@
 
 Pixels. ViSP's and AprilTag's corners have pixel centres at +0.5, as has OpenCV's own copy of AprilTag's corner
 refinement; OpenCV's other refinements have them at whole numbers, as Pilotfish. Each baseline gets the principal point
-in ITS convention (measured: the mean offset of its corners from the truth is below 0.05 px then), so nobody is
+in ITS convention (measured: the mean offset of its corners from the truth is below 0.05 px then), so no method is
 handicapped.
 
 One thread each. Where the library is C++ it is called, and timed, in C++ (baselines.cpp); the wheels are timed around

@@ -1,4 +1,4 @@
-"""Conditions that nobody modelled: who sees the leader, how far off, and whether the covariance says so."""
+"""Unmodelled conditions: which trackers see the leader, how far off, and whether the covariance says so."""
 
 from __future__ import annotations
 

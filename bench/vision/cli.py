@@ -40,7 +40,7 @@ def main(
         list[PartName] | None, typer.Option(help="Only this part; may be given several times. Default: all.")
     ] = None,
     frames_without_leader: Annotated[
-        int | None, typer.Option(min=20, help="Frames in which nobody may be taken for the leader.")
+        int | None, typer.Option(min=20, help="Frames without the leader, in which a detection is false.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of every frame. Same seed: same frames.")] = 1,
     out: Annotated[Path, typer.Option(help="Where vision.json and the pictures go.")] = Path("out/bench"),

@@ -107,7 +107,7 @@ def chain_goals(results: Results) -> Iterator[Goal]:
 
 
 def wrong_leader_goals(verdict: Verdict) -> Iterator[Goal]:
-    """Nobody may be taken for the leader; a tracker that never saw it would prove nothing."""
+    """Nothing else may be taken for the leader; a tracker that never saw it would prove nothing."""
     ours = f"{verdict.wrong} (leader seen in {verdict.seen} of {verdict.shown} frames between)"
     met = verdict.wrong == 0 and verdict.seen > verdict.shown / 2
     yield Goal(f"wrong leaders in {verdict.frames} frames without one", "0", "-", ours, math.nan, met)
@@ -131,7 +131,7 @@ def resolution_goals(by_size: dict[str, dict[str, Figures]]) -> Iterator[Goal]:
 
 
 def visp_goals(medians: dict[str, dict[str, float]]) -> Iterator[Goal]:
-    """On ViSP's own pictures nobody shall be better."""
+    """On ViSP's own pictures no baseline shall be better."""
     for size, by_tracker in medians.items():
         best = min((VISP_1, WHEEL), key=lambda tracker: _known(by_tracker[tracker]))
         name = f"median distance error, ViSP's picture {size}"

@@ -1,4 +1,4 @@
-"""A lens in somebody else's model."""
+"""A lens in another library's model."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ BURST = 10  # frames
 
 
 class Tracker(Protocol):
-    """Somebody who looks for the leader."""
+    """A tracker: Pilotfish's or a baseline."""
 
     name: str
 

@@ -1,4 +1,4 @@
-"""Pictures that nobody here rendered: ViSP's AprilTag benchmark with the true pose of each of its five tags (Debian's
+"""Pictures that were not rendered here: ViSP's AprilTag benchmark with the true pose of each of its five tags (Debian's
 visp-images-data). tests/vision/test_visp_dataset.py says how its intrinsics and its tag frame were found."""
 
 from __future__ import annotations

@@ -117,5 +117,5 @@ def serve(pipe: Connection) -> None:
                     start = time.perf_counter_ns()
                     cMt = trackers[key].track(argument)
                     pipe.send((time.perf_counter_ns() - start, cMt))
-            except Exception as error:  # the asker is told, and decides
+            except Exception as error:  # passed to the caller, which decides
                 pipe.send(error)

@@ -2,7 +2,7 @@
 
 Pieces are rendered once (tags with other ids and of other families, clutter), then recombined with crops, flips,
 contrast, sheets of random bits and noise at the speed of NumPy. Every PERIOD frames the leader is really there for one
-frame; in the next two another tag hangs where it was, or nobody, so that a tracker is lured as well as a detector.
+frame; in the next two another tag hangs where it was, or nothing, so that a tracker is lured as well as a detector.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pilotfish import core, vision
 
 PERIOD = 20
 FOREIGN_FAMILIES = ("tag36h10", "tag25h9", "tag16h5", "tagStandard41h12", "tagCircle21h7")
-Variants = dict[str, np.ndarray]  # one scene four times: "leader", "other id", "other family", "nobody"
+Variants = dict[str, np.ndarray]  # one scene four times: "leader", "other id", "other family", "empty"
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def prepared(scenes: int, seed: int) -> Pieces:
         foreign = other_leader(rng, FOREIGN_FAMILIES[k % len(FOREIGN_FAMILIES)])
         worn = {"leader": LEADER, "other id": other_leader(rng, "tag36h11"), "other family": foreign}
         variants = {what: renderer.image([(leader, pose)], k) for what, leader in worn.items()}
-        pieces.scenes.append(variants | {"nobody": renderer.image([], k)})
+        pieces.scenes.append(variants | {"empty": renderer.image([], k)})
         families = ["tag36h11", "tag36h11", *rng.choice(FOREIGN_FAMILIES, 2)]
         crowd = [(other_leader(rng, f), Motion(float(rng.uniform(0.5, 4.0))).poses(1, rng)[0]) for f in families]
         pieces.crowds.append(renderer.image(crowd, k))
@@ -72,11 +72,11 @@ def frames(count: int, pieces: Pieces, seed: int) -> Iterator[tuple[bool, np.nda
         step = index % PERIOD
         if step == 0:
             scene = pieces.scenes[rng.integers(len(pieces.scenes))]
-        if step < 3:  # the leader; then twice another at its place, or nobody
-            what = "leader" if step == 0 else str(rng.choice(["other id", "other family", "nobody"]))
+        if step < 3:  # the leader; then twice another at its place, or nothing
+            what = "leader" if step == 0 else str(rng.choice(["other id", "other family", "empty"]))
             yield step == 0, scene[what]
         elif step < 6:  # what a printer could make of random bits
-            yield False, with_false_tags(scene["nobody"], rng)
+            yield False, with_false_tags(scene["empty"], rng)
         else:
             yield False, disturbed(mixed(pieces, rng), pieces.noise, rng)
 
@@ -99,7 +99,7 @@ def mixed(pieces: Pieces, rng: np.random.Generator) -> np.ndarray:
 
 def any_of(pieces: Pieces, rng: np.random.Generator) -> np.ndarray:
     k = int(rng.integers(len(pieces.crowds)))
-    return pieces.crowds[k] if rng.integers(3) else pieces.scenes[k]["nobody"]
+    return pieces.crowds[k] if rng.integers(3) else pieces.scenes[k]["empty"]
 
 
 def with_false_tags(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -38,7 +38,7 @@ void bind_reports(py::module_& m) {
       .def_readwrite("utime", &CommandReport::utime,
                      "exposure [us] of the image it answers; of the last one, when none came")
       .def_readwrite("session", &CommandReport::session,
-                     "the sender's, see new_session_id(); 0: it is accepted by nobody")
+                     "the sender's, see new_session_id(); 0: no receiver accepts it")
       .def_readwrite("counter", &CommandReport::counter, "one more with every command sent in this session")
       .def_readwrite("base_session", &CommandReport::base_session,
                      "of the wheels' process, as the sender has received it; 0: none")
@@ -90,7 +90,7 @@ void bind_reports(py::module_& m) {
                      "the session whose commands are accepted; 0: none")
       .def_readwrite("command", &BaseReport::command, "Twist commanded to the wheels, after every limit")
       .def_readwrite("measured", &BaseReport::measured,
-                     "Twist that the wheels did, from their encoders; None if nobody measures")
+                     "Twist that the wheels did, from their encoders; None if not measured")
       .def_readwrite("stopped", &BaseReport::stopped, "True while a stop is latched")
       .def_readwrite("state", &BaseReport::state, "State: what the wheels' process is doing")
       .def_readwrite("text", &BaseReport::text, "a line for people; at most 80 letters travel")

@@ -103,8 +103,7 @@ void bind_estimator(py::module_& m) {
                              "of the modes: quiescent, manoeuvre, abrupt")
       .def_property_readonly(
           "own_position_sigma", [](const LeaderMotionEstimator& self) { return self.own_noise().sigma(); },
-          "how far the robot strays from its dead reckoning along the line of sight [m per sqrt(s)], as learned so "
-          "far; "
+          "dead-reckoning drift along the line of sight [m per sqrt(s)], as learned so far; "
           "0 until enough is known")
       .def_property_readonly(
           "excess_sigma",
@@ -121,14 +120,14 @@ void bind_estimator(py::module_& m) {
 }
 
 void bind_leader_intent(py::module_& m) {
-  bind_parameters<LeaderIntentConfig>(m, "LeaderIntentConfig", "How much a leader's own word counts.");
-  py::enum_<LeaderIntentUse>(m, "LeaderIntentUse", "What the leader's word was worth in this frame.")
+  bind_parameters<LeaderIntentConfig>(m, "LeaderIntentConfig", "How the leader intent is used.");
+  py::enum_<LeaderIntentUse>(m, "LeaderIntentUse", "How the leader intent was used in this frame.")
       .value("silent", LeaderIntentUse::silent)
       .value("probation", LeaderIntentUse::probation)
       .value("agrees", LeaderIntentUse::agrees)
       .value("used", LeaderIntentUse::used)
       .value("suspended", LeaderIntentUse::suspended);
-  py::class_<LeaderIntent>(m, "LeaderIntent", "The twist a leader announces of itself, and what it is worth.")
+  py::class_<LeaderIntent>(m, "LeaderIntent", "The twist a leader announces of itself, and whether to use it.")
       .def(py::init<const LeaderIntentConfig&>(), py::arg("config") = LeaderIntentConfig{},
            "config: LeaderIntentConfig. No intent has been received yet.")
       .def("update", &LeaderIntent::update, py::arg("utime"), py::arg("twist"), "False if it cannot be used.")
@@ -140,7 +139,9 @@ void bind_leader_intent(py::module_& m) {
           py::arg("seen"), py::arg("own_pose"), py::arg("utime"), "Once a frame: LeaderIntentUse.")
       .def(
           "slowed",
-          [](const LeaderIntent& self, const LeaderEstimate& seen) { return self.heard() ? self.slowed(seen) : seen; },
+          [](const LeaderIntent& self, const LeaderEstimate& seen) {
+            return self.has_intent() ? self.slowed(seen) : seen;
+          },
           py::arg("seen"), "The estimate as slow as announced.")
       .def("reset", &LeaderIntent::reset, "The leader was lost: probation begins anew, a suspension goes on.");
 }
@@ -162,8 +163,8 @@ void bind_anticipation(py::module_& m) {
            }),
            py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("delay_s") = 0.0,
            "limits: of the drive; delay_s: latency and lag together [s].");
-  py::class_<Anticipation>(m, "Anticipation", "What the law wants for a predicted leader.")
-      .def_readonly("wanted", &Anticipation::wanted, "Twist that the law wants; not yet limited")
+  py::class_<Anticipation>(m, "Anticipation", "Output of the law for a predicted leader, before limits.")
+      .def_readonly("wanted", &Anticipation::wanted, "Twist: output of the law before limits")
       .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
   m.def("feed_forward_weight", &feed_forward_weight, py::arg("config"), py::arg("leader"),
         "How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].");
@@ -172,7 +173,7 @@ void bind_anticipation(py::module_& m) {
   m.def("guarded_speed", &guarded_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
         "Fastest speed [m/s] along the line of sight with which the robot can still keep d_min; negative: reverse.");
   m.def("eased_speed", &eased_speed, py::arg("config"), py::arg("limits"), py::arg("previous_mps"), py::arg("dt_s"),
-        "Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a jolt.");
+        "Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a step in acceleration.");
   m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("reaction"), py::arg("leader"),
         py::arg("wanted"), "The nearest twist that keeps the leader in the picture.");
 }
@@ -258,7 +259,7 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
-      .def_readonly("linear_mps", &VelocityCommand::linear_mps, "forward speed the law wants [m/s]")
+      .def_readonly("linear_mps", &VelocityCommand::linear_mps, "forward speed, output of the law before limits [m/s]")
       .def_readonly("error_m", &VelocityCommand::error_m, "e = d_p - d; positive: too close")
       .def_readonly("error_change_m", &VelocityCommand::error_change_m, "ec, per control period")
       .def_readonly("inference", &VelocityCommand::inference,
@@ -331,8 +332,7 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("ego_motion", &FollowerOutput::ego_motion, "EgoMotionSource: where the own motion was taken from")
       .def_readonly("drive", &FollowerOutput::drive,
                     "DriveEstimate: the drive's delays as this command assumes them; None unless it anticipates")
-      .def_readonly("leader_intent", &FollowerOutput::leader_intent,
-                    "LeaderIntentUse: what the leader's word was worth");
+      .def_readonly("leader_intent", &FollowerOutput::leader_intent, "LeaderIntentUse: how the leader intent was used");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
       .def(py::init<FollowerConfig>(), py::arg("config"), py::call_guard<py::gil_scoped_release>(),

@@ -25,7 +25,7 @@ Bytes from_bytes(const py::bytes& bytes) {
 
 void bind_config(py::module_& m) {
   bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
-  py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "Everything a coordinator needs to know.");
+  py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "All settings of a coordinator.");
   coordinator_config.def(py::init<>(), "Defaults; camera and leader must be set. Coordinator() checks them.")
       .def_readwrite("camera", &CoordinatorConfig::camera, "CameraModel: size and lens of the coordinator's camera")
       .def_readwrite("mounting", &CoordinatorConfig::mounting, "CameraMounting: where it sits on the coordinator")
@@ -41,7 +41,7 @@ void bind_config(py::module_& m) {
           [](const config::CoordinatorFile& file) { return file.odometry == config::Odometry::pose ? "pose" : "none"; },
           "pose: own twist from NAME_POSE; none: nowhere")
       .def_readonly("key_file", &config::CoordinatorFile::key_file, "empty: nothing is authenticated")
-      .def_readonly("leader_intent_from", &config::CoordinatorFile::leader_intent_from, "empty: nobody")
+      .def_readonly("leader_intent_from", &config::CoordinatorFile::leader_intent_from, "empty: disabled")
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz,
                     "rate expected of the source [Hz]; 1/T of the law unless control_period_s says otherwise")
       .def_readonly("black_box", &config::CoordinatorFile::black_box, "BlackBoxConfig: where and how much is recorded")

@@ -41,13 +41,13 @@ void bind_session_guard(py::module_& m) {
       .value("accepted", SequenceVerdict::accepted)
       .value("wrong_session", SequenceVerdict::wrong_session)
       .value("not_rising", SequenceVerdict::not_rising);
-  py::class_<SequenceGuard>(m, "SequenceGuard", "Within one session, counters only rise; session 0 is nobody's.")
-      .def(py::init<std::int64_t>(), py::arg("session") = 0, "session: whose messages are accepted; 0: nobody's")
+  py::class_<SequenceGuard>(m, "SequenceGuard", "Within one session, counters only rise; session 0 is never accepted.")
+      .def(py::init<std::int64_t>(), py::arg("session") = 0, "session: whose messages are accepted; 0: none")
       .def("accept", &SequenceGuard::accept, py::arg("session"), py::arg("counter"),
            "SequenceVerdict of a message. Accepted only with this session and a counter above last_counter; a refused "
            "message changes nothing.")
       .def("check", &SequenceGuard::check, py::arg("session"), py::arg("counter"), "What accept() would say.")
-      .def_property_readonly("session", &SequenceGuard::session, "the session whose messages are accepted; 0: nobody's")
+      .def_property_readonly("session", &SequenceGuard::session, "the session whose messages are accepted; 0: none")
       .def_property_readonly("last_counter", &SequenceGuard::last_counter,
                              "counter of the last message accepted; 0: none yet");
 
@@ -80,7 +80,7 @@ void bind_session_guard(py::module_& m) {
 
 PYBIND11_MODULE(core, m) {
   translate_config_errors();
-  m.doc() = "The words everyone shares: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
+  m.doc() = "Types shared by all modules: Frame, CameraModel, LeaderBody, Observation, Twist, Status.";
 
   m.def("wrap_angle", &wrap_angle, py::arg("angle_rad"), "The same angle in (-pi, pi].");
   m.def(
@@ -325,7 +325,7 @@ PYBIND11_MODULE(core, m) {
           "(4, 4): leader's base frame to camera frame [m], of this frame alone")
       .def_readonly("measured", &Observation::measured, "of this frame alone: what a filter of your own should be fed")
       .def_readonly("heading_ambiguity", &Observation::heading_ambiguity,
-                    "how much the headings so far speak for another one than heading_rad, 0 to 1")
+                    "how strongly the headings so far indicate another one than heading_rad, 0 to 1")
       .def_property_readonly(
           "other_cMo",
           [](const Observation& o) -> std::optional<py::array_t<double>> {

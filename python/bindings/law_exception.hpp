@@ -1,7 +1,7 @@
 #pragma once
 
 // Ctrl-C and sys.exit() inside a law written in Python. A law is called from code that must not throw, so what it
-// raises stands the robot still; but who wants to leave the program must get out of it. Such an exception waits in the
+// raises stands the robot still; but KeyboardInterrupt and SystemExit are re-raised: such an exception is kept in the
 // dict of Python's thread, which every module sees, until the call from Python that led to the law returns.
 
 #include <pybind11/pybind11.h>

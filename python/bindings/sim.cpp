@@ -137,21 +137,21 @@ void bind_rendering(py::module_& m) {
 
 void bind_scenario(py::module_& m) {
   bind_parameters<CameraSpec>(m, "CameraSpec",
-                              "A robot's own camera. The errors are what nobody knows: the world uses them, no "
-                              "configuration says them.")
+                              "A robot's own camera. The errors are unknown to the coordinator: the world has "
+                              "them, no configuration does.")
       .def_readwrite("model", &CameraSpec::model, "CameraModel: size and lens, without focal_error")
       .def_readwrite("mounting", &CameraSpec::mounting, "CameraMounting: where it sits, without the errors")
       .def_readwrite("imperfections", &CameraSpec::imperfections, "Imperfections of its pictures");
-  bind_parameters<Visibility>(m, "Visibility", "When nobody can see a robot.");
+  bind_parameters<Visibility>(m, "Visibility", "When a robot is invisible.");
   py::class_<RobotSpec>(m, "RobotSpec", "One robot of the world.")
       .def(py::init<>(), "Defaults; set the attributes. Scenario.validate() checks them.")
       .def_readwrite("name", &RobotSpec::name, "name of the robot: its channels and its noise come from it")
       .def_readwrite("start", &RobotSpec::start, "Pose2 at time 0 in the world frame")
-      .def_readwrite("trajectory", &RobotSpec::trajectory, "None: it follows somebody or takes commands")
+      .def_readwrite("trajectory", &RobotSpec::trajectory, "None: it follows a leader or executes commands")
       .def_readwrite("follows", &RobotSpec::follows, "name of its leader; empty if none")
       .def_readwrite("drive", &RobotSpec::drive, "DriveConfig: what its wheels can do")
       .def_readwrite("body", &RobotSpec::body, "RobotBody that others see; None: it is invisible")
-      .def_readwrite("visibility", &RobotSpec::visibility, "Visibility: when nobody can see it")
+      .def_readwrite("visibility", &RobotSpec::visibility, "Visibility: when it is invisible")
       .def_readwrite("camera", &RobotSpec::camera, "CameraSpec, or None if it has no camera")
       .def_property_readonly(
           "coordinator_file",
@@ -181,7 +181,7 @@ void bind_scenario(py::module_& m) {
         return scenario;
       },
       py::arg("scenario"), py::arg("path"),
-      "The Scenario with robots as that file says, such as hardware/honest.yaml: its sections drive and camera count "
+      "The Scenario with robots as that file says, such as hardware/nonideal.yaml: its sections drive and camera count "
       "in "
       "place of what the scenario says of each robot that follows another. ConfigError names the key at fault.");
   m.def("load_scenario", &config::load_scenario, "ValueError names the key at fault.", py::arg("path"),
@@ -241,7 +241,7 @@ void bind_loop_parts(py::module_& m) {
            "A picture exposed at utime [us] went to the robot at now_s [s]: its answer is awaited.")
       .def("answered", &AwaitedAnswers::answered, "True if it answers the picture awaited.", py::arg("robot"),
            py::arg("utime"))
-      .def_property_readonly("complete", &AwaitedAnswers::complete, "True if nobody's answer is out")
+      .def_property_readonly("complete", &AwaitedAnswers::complete, "True if no answer is outstanding")
       .def("to_resend", &AwaitedAnswers::to_resend, py::arg("now_s"),
            "Names of the robots whose picture is to be sent once more at now_s [s]; the next time is resend_after_s "
            "later.")

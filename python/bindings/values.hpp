@@ -76,7 +76,7 @@ inline void add_copies(const py::object& type, const std::vector<std::string>& c
                   py::name("__reduce__"), py::is_method(type), "How copy and pickle make another one."));
 }
 
-/// Of a value that nobody can change: it can be a key and a default of a dataclass. Of its numbers and texts alone,
+/// Of an immutable value: it can be a key and a default of a dataclass. Of its numbers and texts alone,
 /// which equal values share; lists and arrays do not count.
 inline void add_hash(const py::object& type, const std::vector<std::string>& constructed) {
   give_method(type, "__hash__",

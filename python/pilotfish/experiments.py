@@ -33,11 +33,11 @@ class Experiment:
         """The Scenario, read anew. ValueError names the key at fault."""
         return Scenario.load(data.path(self.scenario_file))
 
-    def on_honest_robot(self) -> Experiment:
-        """The same with a robot and a camera as they come out of a workshop (data/hardware/honest.yaml), of which the
-        coordinator is told nothing."""
-        name = f"{self.name}_honest"
-        return replace(self, name=name, title=f"{self.title}, honest robot", scenario_file=f"scenarios/{name}.yaml")
+    def on_nonideal_robot(self) -> Experiment:
+        """The same with a non-ideal robot and camera (data/hardware/nonideal.yaml), whose errors are not in the
+        coordinator's configuration."""
+        name = f"{self.name}_nonideal"
+        return replace(self, name=name, title=f"{self.title}, non-ideal robot", scenario_file=f"scenarios/{name}.yaml")
 
 
 LINE = Experiment("line", "Leader on a line", "Fig. 6", "scenarios/line.yaml", 2.44, 1.10, -10.0)

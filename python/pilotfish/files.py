@@ -1,4 +1,4 @@
-"""Reading what somebody else wrote: bounded, and without waiting for what never comes."""
+"""Reading untrusted files: bounded, and without waiting for what never comes."""
 
 from __future__ import annotations
 

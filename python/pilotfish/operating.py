@@ -1,6 +1,6 @@
-"""What an operator says to a coordinator: stop, resume, keep this distance. Over LCM, and until its status shows it.
+"""An operator's requests to a coordinator: stop, resume, set the setpoint. Over LCM, until its status shows them.
 
-Who may say what is in ``docs/operating-guide.md`` ("Who may speak"): a stop is accepted from anyone; everything else
+Who may send what is in ``docs/operating-guide.md`` ("Who may command"): a stop is accepted from anyone; everything else
 has to name the coordinator's session, which its status says, and a counter that rises. Counters are microseconds of the
 wall clock here, so that they rise from one call to the next.
 """
@@ -20,14 +20,14 @@ from pilotfish.errors import ConfigError, OperatorError, SilentRobotError
 
 WITHIN_S = 3.0
 _SEND_EVERY_S = 0.05
-_STOPS_AT_LEAST = 3  # a datagram may be lost
-_BASE_SPEAKS_WITHIN_S = 0.3  # pilotfish-base publishes its state 20 times a second or more
+_MIN_STOPS = 3  # a datagram may be lost
+_BASE_ANSWERS_WITHIN_S = 0.3  # pilotfish-base publishes its state 20 times a second or more
 
 # What the counters of a status mean to whoever has just asked for something.
 _REFUSALS = {
     "setpoint_mac_wrong": "its key is not yours (--key FILE: the coordinator's key_file)",
     "setpoint_wrong_session": "it has started anew in between: try again",
-    "setpoint_replayed": "it has heard a higher counter: is the clock of another operator ahead?",
+    "setpoint_replayed": "it has received a higher counter: is the clock of another operator ahead?",
     "setpoint_too_near": "the distance is below its stop distance (safety.stop_distance_m)",
     "setpoint_out_of_bounds": "the distance or the bearing is out of bounds",
     "setpoint_not_finite": "the distance or the bearing is no number",
@@ -58,8 +58,8 @@ class Operator:
             if key_file is not None:
                 key = load_key(str(key_file))
             self._bus = Bus(lcm_url)
-            self._bus.on_status(robot, self._heard)
-            self._bus.on_base(robot, self._heard_base)
+            self._bus.on_status(robot, self._on_status)
+            self._bus.on_base(robot, self._on_base)
         except BusError as error:
             raise SilentRobotError(str(error)) from error
         except ValueError as error:
@@ -76,10 +76,10 @@ class Operator:
 
     def listen(self, within_s: float = WITHIN_S) -> StatusReport:
         """The next status."""
-        heard = self._statuses
-        self._wait(lambda: self._statuses > heard, within_s)
-        if self._statuses == heard:
-            raise SilentRobotError(self._nobody(within_s))
+        received = self._statuses
+        self._wait(lambda: self._statuses > received, within_s)
+        if self._statuses == received:
+            raise SilentRobotError(self._no_reply_message(within_s))
         return self._status()
 
     def stop(self, within_s: float = WITHIN_S) -> StatusReport:
@@ -87,17 +87,18 @@ class Operator:
 
         Until the coordinator shows it, and the wheels (pilotfish-base), if they answer.
         """
-        self.sent, heard, heard_bases = 0, self._statuses, self._bases
-        wheels_stopped = lambda: self.base is None or (self._bases > heard_bases and self._wheels_stopped())  # noqa: E731
-        shows_it = lambda: self._statuses > heard and not self._status().setpoint.run and wheels_stopped()  # noqa: E731
+        self.sent, received, bases = 0, self._statuses, self._bases
+        wheels_stopped = lambda: self.base is None or (self._bases > bases and self._wheels_stopped())  # noqa: E731
+        shows_it = lambda: self._statuses > received and not self._status().setpoint.run and wheels_stopped()  # noqa: E731
         give_up = time.monotonic() + within_s
-        while self.sent < _STOPS_AT_LEAST or (not shows_it() and time.monotonic() < give_up):
+        while self.sent < _MIN_STOPS or (not shows_it() and time.monotonic() < give_up):
             kept = self.status.setpoint if self.status else Setpoint()
             self._send(Setpoint.unchecked(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=False))
-            self._wait(shows_it, _SEND_EVERY_S if self.sent >= _STOPS_AT_LEAST else 0.01)
-        if self._statuses == heard:
-            who = "only its wheels have" if self._bases > heard_bases and self._wheels_stopped() else "nobody has"
-            raise SilentRobotError(f"{self.sent} stops were sent, and {who} confirmed: {self._nobody(within_s)}")
+            self._wait(shows_it, _SEND_EVERY_S if self.sent >= _MIN_STOPS else 0.01)
+        if self._statuses == received:
+            only_wheels = self._bases > bases and self._wheels_stopped()
+            answer = "only its wheels have confirmed" if only_wheels else "none was confirmed"
+            raise SilentRobotError(f"{self.sent} stops were sent, and {answer}: {self._no_reply_message(within_s)}")
         if not shows_it():
             raise OperatorError(f"{self.sent} stops were sent in {within_s:g} s, and {self._says()}")
         return self._status()
@@ -106,13 +107,13 @@ class Operator:
         """Ends a stop; what was kept before is kept again.
 
         Raises OperatorError also if the wheels (pilotfish-base), which hold stops of their own, stay stopped: they are
-        not asked again here, because between two messages somebody else may have stopped the robot.
+        not asked again here, because between two messages another operator may have stopped the robot.
         """
         kept = self.listen(within_s).setpoint
         status = self._ask(Setpoint(distance_m=kept.distance_m, bearing_rad=kept.bearing_rad, run=True), within_s)
-        heard = self._bases
-        self._wait(lambda: self._bases > heard and not self._wheels_stopped(), _BASE_SPEAKS_WITHIN_S)
-        if self._bases > heard and self._wheels_stopped():
+        received = self._bases
+        self._wait(lambda: self._bases > received and not self._wheels_stopped(), _BASE_ANSWERS_WITHIN_S)
+        if self._bases > received and self._wheels_stopped():
             raise OperatorError(
                 f"the coordinator of {self.robot} runs, but its wheels stay stopped: ask once more; {self._says()}"
             )
@@ -121,7 +122,7 @@ class Operator:
     def set_setpoint(
         self, *, distance_m: float | None = None, bearing_rad: float | None = None, within_s: float = WITHIN_S
     ) -> StatusReport:
-        """Says what to keep; None: as it is. A robot that has been stopped stays stopped."""
+        """Sets the setpoint; None: unchanged. A robot that has been stopped stays stopped."""
         for name, number in (("distance_m", distance_m), ("bearing_rad", bearing_rad)):
             if number is not None and not math.isfinite(number):
                 raise OperatorError(f"{name}: {number} is not a finite number")
@@ -143,9 +144,9 @@ class Operator:
         shows_it = lambda: first is not None and self._accepted(first) and _values(self._status().setpoint) == values  # noqa: E731
         give_up = time.monotonic() + within_s
         while not shows_it() and time.monotonic() < give_up:
-            # Somebody else spoke as well: to ask once more could end a stop.
+            # Another operator has sent a setpoint as well: to ask once more could end a stop.
             if self._stopped_since(before) or (first is not None and self._accepted(first)):
-                raise OperatorError(f"{self.robot} has been told something else in between; {self._says()}")
+                raise OperatorError(f"{self.robot} has received another setpoint in between; {self._says()}")
             counter = self._send(setpoint)
             first = first or counter
             self._wait(shows_it, _SEND_EVERY_S)
@@ -179,14 +180,14 @@ class Operator:
         self.sent += 1
         return self._counter
 
-    def _heard(self, status: StatusReport) -> None:
+    def _on_status(self, status: StatusReport) -> None:
         if self.status is not None and status.session != self.status.session:
             self._rejected.clear()
         self.status = status
         self._statuses += 1
         self._rejected |= status.rejected
 
-    def _heard_base(self, base: BaseReport) -> None:
+    def _on_base(self, base: BaseReport) -> None:
         self.base = base
         self._bases += 1
 
@@ -199,9 +200,9 @@ class Operator:
         assert self.status is not None
         return self.status
 
-    def _nobody(self, within_s: float) -> str:
+    def _no_reply_message(self, within_s: float) -> str:
         return (
-            f"no coordinator of {self.robot} is heard on {self._bus.url} within {within_s:g} s; "
+            f"no coordinator of {self.robot} answers on {self._bus.url} within {within_s:g} s; "
             "is pilotfish-coordinator running with that --name and --lcm-url?"
         )
 

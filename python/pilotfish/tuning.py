@@ -1,5 +1,5 @@
 """Finds the parameters of a law: one cost, one budget and one seeded search for all of them, so that a comparison
-compares laws and not the patience of whoever tuned them.
+compares laws and not tuning effort.
 
 Runs are played with drawn measurements (harness.drawn_observations), 100 times faster than with rendered pictures.
 Nothing of the scenarios reported in bench/following is tuned on in its rendered form.

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kQueueBytes = 32U << 20;  // ten seconds of JPEG at 30 Hz
 constexpr milliseconds kSync{2000};             // a power cut loses at most this much
 constexpr milliseconds kIdle{200};
-constexpr milliseconds kLastWords{2000};
+constexpr milliseconds kShutdownTimeout{2000};
 /// Every start holds the whole configuration: after gaps, which mean that the disk is slow, not more often than that.
 constexpr std::int64_t kStartGap_us = 1'000'000;
 constexpr double kLongestGap_us = 9e18;  ///< more is no int64
@@ -185,7 +185,7 @@ BlackBox::BlackBox(const config::BlackBoxConfig& config, Start start, const Coor
 BlackBox::~BlackBox() {
   shared_->stopping = true;
   shared_->queue.wake();
-  if (shared_->ended.get_future().wait_for(kLastWords) == std::future_status::ready) {
+  if (shared_->ended.get_future().wait_for(kShutdownTimeout) == std::future_status::ready) {
     shared_->thread.join();
   } else {
     shared_->thread.detach();  // it waits for a disk that does not answer

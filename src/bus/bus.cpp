@@ -144,9 +144,9 @@ struct Bus::Connection {
 
   /// Until one message of ours and all behind it are handled, a handler throws, a signal has come, the time is up,
   /// or a flood has used up what one call may take. Returns how many were handled.
-  int wait_and_dispatch(std::chrono::milliseconds patience) {
+  int wait_and_dispatch(std::chrono::milliseconds timeout) {
     using Clock = std::chrono::steady_clock;
-    const Clock::time_point give_up = Clock::now() + patience;
+    const Clock::time_point give_up = Clock::now() + timeout;
     Budget budget;
     int handled = 0;
     for (bool waiting = true; waiting && handled == 0 && !budget.used_up();) {
@@ -199,10 +199,10 @@ void Bus::publish(const std::string& robot, const CommandReport& report) {
   connection_->publish(channel(robot, "COMMAND"), message, repaired);
 }
 
-std::unique_ptr<LastWords> Bus::last_words(const std::string& robot, const CommandReport& report) {
+std::unique_ptr<FinalMessage> Bus::final_message(const std::string& robot, const CommandReport& report) {
   std::string_view repaired;
   const std::string name = channel(robot, "COMMAND");
-  return std::make_unique<LastWords>(connection_->url, name, connection_->encoded(name, encode(report, repaired)));
+  return std::make_unique<FinalMessage>(connection_->url, name, connection_->encoded(name, encode(report, repaired)));
 }
 
 void Bus::publish(const std::string& robot, const ObservationReport& report) {

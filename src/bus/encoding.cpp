@@ -51,11 +51,11 @@ std::vector<counter_t> encode(const Counters& counters, std::size_t at_most, std
     pages.push_back({counter});
   }
   std::vector<counter_t>& page = pages[turn % pages.size()];
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();  // where their sum stops
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();  // where their sum stops
   for (const std::vector<counter_t>& other : pages)
     if (&other != &page)
       for (const counter_t& hidden : other)
-        others.count = others.count > kMost - hidden.count ? kMost : others.count + hidden.count;
+        others.count = others.count > kMax - hidden.count ? kMax : others.count + hidden.count;
   page.push_back(others);
   return page;
 }

@@ -48,8 +48,8 @@ class Incoming {
   /// From now on next() may return messages of this channel. `large`: they may take more than one datagram.
   /// Throws BusError.
   virtual void subscribe(const std::string& channel, bool large) = 0;
-  /// True when something may have come; false after `patience`, or when a signal came.
-  virtual bool wait(std::chrono::milliseconds patience) = 0;
+  /// True when something may have come; false after `timeout`, or when a signal came.
+  virtual bool wait(std::chrono::milliseconds timeout) = 0;
   /// Nothing: no message is there now, or the budget is used up.
   virtual std::optional<WireMessage> next(Budget& budget) = 0;
 };

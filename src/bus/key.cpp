@@ -38,7 +38,7 @@ struct Descriptor {
   throw ConfigError("key_file", path + " " + problem);
 }
 
-/// The start of a regular file that nobody but its owner may read. The open file is checked, not the name, so that it
+/// The start of a regular file that only its owner may read. The open file is checked, not the name, so that it
 /// cannot be exchanged in between; a pipe does not block.
 std::size_t read_private(const std::string& path, char* text, std::size_t at_most) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));

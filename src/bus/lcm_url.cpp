@@ -30,7 +30,7 @@ int outcome(int descriptor) {
   return error;
 }
 
-/// Why nobody can be reached there; nullptr: somebody can.
+/// Why no receiver can be reached there; nullptr: one can.
 const char* unreachable(const std::string& host, const std::string& port) {
   addrinfo wanted{}, *found = nullptr;
   wanted.ai_family = AF_INET;  // as liblcm

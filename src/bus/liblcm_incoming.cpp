@@ -22,14 +22,14 @@ void LiblcmIncoming::subscribe(const std::string& channel, bool /*large*/) {
   subscribed_.insert(channel);
 }
 
-bool LiblcmIncoming::wait(std::chrono::milliseconds patience) {
+bool LiblcmIncoming::wait(std::chrono::milliseconds timeout) {
   // Without a subscription liblcm has no receiver to wait on; a descriptor of -1 makes poll() wait all the same.
   pollfd waiting{!subscribed_.empty() && !ended_ ? lcm_get_fileno(lcm_) : -1, POLLIN, 0};
-  if (stamped_) return ::poll(&waiting, 1, static_cast<int>(patience.count())) > 0;
-  for (;; patience -= kLook) {
+  if (stamped_) return ::poll(&waiting, 1, static_cast<int>(timeout.count())) > 0;
+  for (;; timeout -= kLook) {
     const Clocks before = read_clocks();
-    const int ready = ::poll(&waiting, 1, static_cast<int>(std::min(patience, kLook).count()));
-    if (ready != 0 || patience <= kLook) return ready > 0;
+    const int ready = ::poll(&waiting, 1, static_cast<int>(std::min(timeout, kLook).count()));
+    if (ready != 0 || timeout <= kLook) return ready > 0;
     empty_ = before;
   }
 }

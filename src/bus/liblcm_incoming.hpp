@@ -18,7 +18,7 @@ class LiblcmIncoming final : public Incoming {
   LiblcmIncoming(lcm_t* lcm, bool stamped) : lcm_(lcm), stamped_(stamped), empty_(read_clocks()) {}
 
   void subscribe(const std::string& channel, bool large) override;
-  bool wait(std::chrono::milliseconds patience) override;
+  bool wait(std::chrono::milliseconds timeout) override;
   std::optional<WireMessage> next(Budget& budget) override;
 
  private:

@@ -91,7 +91,7 @@ std::optional<WireMessage> Reassembly::take_short(const std::uint8_t* rest, std:
     count_("datagram_channel_bad", 1);
     return std::nullopt;
   }
-  if (!wants(channel)) return std::nullopt;
+  if (!is_subscribed(channel)) return std::nullopt;
   return WireMessage{std::string(channel),
                      std::make_shared<const std::vector<std::uint8_t>>(rest + channel.size() + 1, rest + size_bytes),
                      arrival};
@@ -179,7 +179,7 @@ bool Reassembly::may_begin(const Fragment& fragment) {
     if (known != nullptr && known->wanted) count_("fragment_late", 1);
     return known == nullptr;
   }
-  if (!wants(fragment.channel)) {
+  if (!is_subscribed(fragment.channel)) {
     close(fragment.key, false);
     return false;
   }
@@ -206,7 +206,7 @@ Reassembly::Messages::iterator Reassembly::begin(const Fragment& fragment, Monot
 
 std::optional<WireMessage> Reassembly::finish_if_whole(Messages::iterator message) {
   // Fragments 1 and up may have arrived before number 0, whose channel shows that they are not wanted.
-  const bool unwanted = !message->channel.empty() && !wants(message->channel);
+  const bool unwanted = !message->channel.empty() && !is_subscribed(message->channel);
   if (unwanted) {
     close(message->key, false);
     drop(message);

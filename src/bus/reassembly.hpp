@@ -49,7 +49,7 @@ class Reassembly {
   /// The message that this datagram completes, if it does. Counts datagram_not_lcm, datagram_channel_bad,
   /// fragment_header_bad, fragment_out_of_bounds, fragment_mismatch (contradicts the fragments before it),
   /// fragment_repeated, fragment_overlap, fragment_late (its message is complete or dropped), message_too_large,
-  /// message_incomplete (patience is over), message_displaced (a newer one needed its place).
+  /// message_incomplete (timeout), message_displaced (a newer one needed its place).
   std::optional<WireMessage> take(const std::uint8_t* datagram, std::size_t size_bytes, Sender sender,
                                   MonotonicTime arrival);
 
@@ -93,7 +93,7 @@ class Reassembly {
   void drop(Messages::iterator message, std::string_view kind = {});
   void close(const Key& key, bool wanted);
   Closed* closed(const Key& key);
-  bool wants(std::string_view channel) const { return subscribed_.find(channel) != subscribed_.end(); }
+  bool is_subscribed(std::string_view channel) const { return subscribed_.find(channel) != subscribed_.end(); }
 
   Count count_;
   ReassemblyLimits limits_;

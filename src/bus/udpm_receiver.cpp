@@ -129,9 +129,9 @@ void UdpmReceiver::subscribe(const std::string& channel, bool large) {
   reassembly_.subscribe(channel);
 }
 
-bool UdpmReceiver::wait(std::chrono::milliseconds patience) {
+bool UdpmReceiver::wait(std::chrono::milliseconds timeout) {
   pollfd waiting{socket_, POLLIN, 0};
-  return ::poll(&waiting, 1, static_cast<int>(patience.count())) > 0;
+  return ::poll(&waiting, 1, static_cast<int>(timeout.count())) > 0;
 }
 
 std::optional<WireMessage> UdpmReceiver::next(Budget& budget) {

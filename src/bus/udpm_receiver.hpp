@@ -19,7 +19,7 @@ class UdpmReceiver final : public Incoming {
   ~UdpmReceiver() override;
 
   void subscribe(const std::string& channel, bool large) override;
-  bool wait(std::chrono::milliseconds patience) override;
+  bool wait(std::chrono::milliseconds timeout) override;
   std::optional<WireMessage> next(Budget& budget) override;
 
  private:

@@ -90,8 +90,8 @@ const char* V4l2Stream::stamped() const {
   return exposure ? "the exposure" : "the end of a picture";
 }
 
-std::optional<FilledBuffer> V4l2Stream::newest(std::chrono::milliseconds patience) {
-  const std::int64_t deadline_us = monotonic_now().us + std::chrono::microseconds(patience).count();
+std::optional<FilledBuffer> V4l2Stream::newest(std::chrono::milliseconds timeout) {
+  const std::int64_t deadline_us = monotonic_now().us + std::chrono::microseconds(timeout).count();
   std::optional<FilledBuffer> newest;
   do {
     newest = take_newest();

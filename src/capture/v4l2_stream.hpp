@@ -32,7 +32,7 @@ class V4l2Stream {
 
   /// The newest picture; those that it overtook go back to the driver unread. Nothing: none came in time, or the
   /// stream has ended.
-  std::optional<FilledBuffer> newest(std::chrono::milliseconds patience);
+  std::optional<FilledBuffer> newest(std::chrono::milliseconds timeout);
   /// Lets the driver fill the buffer again.
   void give_back(const FilledBuffer& filled) { give_back(filled.buffer.index); }
 

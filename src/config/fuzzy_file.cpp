@@ -28,10 +28,10 @@ MembershipFunction read_set(YamlSection& set) {
     return fuzzy::Trapezoid{n[0], n[1], n[2], n[3]};
   }
   if (!set.has("gaussian")) throw set.error("shape", "is missing: one of triangle, trapezoid, gaussian");
-  YamlSection bell = set.section("gaussian");
+  YamlSection section = set.section("gaussian");
   constexpr double kAny = std::numeric_limits<double>::max();
-  const fuzzy::Gaussian gaussian{bell.number("mean", -kAny, kAny), bell.number("sigma", 0.0, kAny)};
-  bell.finish();
+  const fuzzy::Gaussian gaussian{section.number("mean", -kAny, kAny), section.number("sigma", 0.0, kAny)};
+  section.finish();
   return gaussian;
 }
 

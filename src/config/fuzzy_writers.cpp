@@ -31,8 +31,8 @@ struct Shape {
 Shape shape_of(const fuzzy::MembershipFunction& set) {
   if (const auto* s = std::get_if<fuzzy::Triangle>(&set)) return {"Triangle", {s->a, s->b, s->c}};
   if (const auto* s = std::get_if<fuzzy::Trapezoid>(&set)) return {"Trapezoid", {s->a, s->b, s->c, s->d}};
-  const auto& bell = std::get<fuzzy::Gaussian>(set);
-  return {"Gaussian", {bell.mean, bell.sigma}};
+  const auto& gaussian = std::get<fuzzy::Gaussian>(set);
+  return {"Gaussian", {gaussian.mean, gaussian.sigma}};
 }
 
 const std::string& identifier(const std::string& name) {

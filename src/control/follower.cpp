@@ -203,7 +203,7 @@ std::optional<Follower::Prediction> Follower::predict(const Observation& observa
 Twist Follower::anticipated(const Observation& observation, const Setpoint& setpoint, const Prediction& prediction,
                             const Twist& published, double dt_s, FollowerOutput& output) {
   // A leader intent is checked only against a measurement of this very frame.
-  if (intent_.heard() && leader_.utime() == observation.utime)
+  if (intent_.has_intent() && leader_.utime() == observation.utime)
     output.leader_intent = intent_.evaluate(leader_.at(observation.utime), own_.pose(), observation.utime);
   output.ego_motion = own_.source();
   const LeaderMotion leader = output.leader_intent == LeaderIntentUse::used

@@ -37,9 +37,9 @@ std::string_view to_string(LeaderIntentUse use) noexcept {
 
 bool LeaderIntent::update(std::int64_t utime, const Twist& twist) noexcept {
   if (!is_plausible(twist)) return false;
-  if (heard() && utime <= newest().utime) return false;
-  if (heard_.full()) heard_.pop_front();
-  heard_.push_back({twist, utime});
+  if (has_intent() && utime <= newest().utime) return false;
+  if (received_.full()) received_.pop_front();
+  received_.push_back({twist, utime});
   return true;
 }
 
@@ -70,7 +70,7 @@ std::array<LeaderIntent::Axis, 2> LeaderIntent::axes(const LeaderEstimate& seen)
 /// then vision may just be late.
 bool LeaderIntent::holds(const Axis& axis, std::int64_t utime) const noexcept {
   double least = newest().twist.*axis.of, most = least;
-  for (const Announcement& said : heard_) {
+  for (const Announcement& said : received_) {
     if (seconds_between(said.utime, utime) > config_.confirmed_within_s) continue;
     least = std::min(least, said.twist.*axis.of);
     most = std::max(most, said.twist.*axis.of);
@@ -78,14 +78,14 @@ bool LeaderIntent::holds(const Axis& axis, std::int64_t utime) const noexcept {
   return axis.seen >= least - axis.margin() && axis.seen <= most + axis.margin();
 }
 
-bool LeaderIntent::says_slower(const Axis& axis) const noexcept {
+bool LeaderIntent::announces_slower(const Axis& axis) const noexcept {
   const double slow = no_faster(axis.seen, newest().twist.*axis.of);
   return std::abs(axis.seen) - std::abs(slow) > kDeparting * axis.tolerance;
 }
 
 LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept {
-  const double age_s = heard() ? seconds_between(newest().utime, utime) : 0.0;
-  if (!heard() || age_s > config_.max_age_s || age_s < -kAhead_s) {
+  const double age_s = has_intent() ? seconds_between(newest().utime, utime) : 0.0;
+  if (!has_intent() || age_s > config_.max_age_s || age_s < -kAhead_s) {
     reset();
     return LeaderIntentUse::silent;
   }
@@ -104,7 +104,7 @@ LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& 
   bool slower = false;
   for (std::size_t i = 0; i < both.size(); ++i) {
     std::optional<double>& claim = claims_[i];
-    if (says_slower(both[i])) {
+    if (announces_slower(both[i])) {
       slower = true;
       if (!claim) claim = std::abs(no_faster(both[i].seen, newest().twist.*both[i].of));
     } else if (claim) {
@@ -125,12 +125,12 @@ LeaderEstimate LeaderIntent::slowed(const LeaderEstimate& seen) const noexcept {
     slow.covariance(of, of) = sigma * sigma;
   };
   const auto [along, turn] = axes(seen);
-  if (says_slower(along)) {
+  if (announces_slower(along)) {
     slow.mean.segment<2>(2) *= no_faster(along.seen, newest().twist.linear_mps) / along.seen;
     set_sigma(2, along.tolerance);
     set_sigma(3, along.tolerance);
   }
-  if (says_slower(turn)) {
+  if (announces_slower(turn)) {
     slow.mean(5) = no_faster(turn.seen, newest().twist.angular_radps);
     set_sigma(5, turn.tolerance);
   }

@@ -38,7 +38,7 @@ void MeasurementNoise::add(const LeaderFix& fix) noexcept {
   if (!sample.squared.allFinite() || !sample.claimed.allFinite()) return;
   if (samples_.full()) samples_.pop_front();
   samples_.push_back(sample);
-  if (samples_.size() < kFewest) return;
+  if (samples_.size() < kMinSamples) return;
 
   const auto median = [this](Eigen::Vector3d Sample::*of, int axis) {
     return quantile<kWindow>(samples_, 0.5, [of, axis](const Sample& each) { return (each.*of)(axis); });

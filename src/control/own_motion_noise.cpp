@@ -37,7 +37,7 @@ void OwnMotionNoise::add(std::int64_t utime, const Eigen::Vector2d& leader_m, do
   if (!std::isfinite(near.squared_m2 + near.walk_s + far.squared_m2 + far.walk_s)) return;
   if (samples_.full()) samples_.pop_front();
   samples_.push_back({near.squared_m2, near.walk_s, far.squared_m2, far.walk_s});
-  if (samples_.size() < kFewest) return;
+  if (samples_.size() < kMinSamples) return;
 
   const auto quantile_of = [this](double Sample::*of, double share) {
     return quantile<kWindow>(samples_, share, [of](const Sample& each) { return each.*of; });

@@ -22,11 +22,11 @@ bool append_in_time(Recent& recent, const Value& next, double longest_gap_s) noe
   return recent.full();
 }
 
-/// The value below which that share, in [0, 1), of what `value_of` makes of at most `kMost` samples lies. There must be
+/// The value below which that share, in [0, 1), of what `value_of` makes of at most `kMax` samples lies. There must be
 /// one.
-template <std::size_t kMost, class Samples, class ValueOf>
+template <std::size_t kMax, class Samples, class ValueOf>
 double quantile(const Samples& samples, double share, const ValueOf& value_of) noexcept {
-  std::array<double, kMost> values{};
+  std::array<double, kMax> values{};
   std::size_t count = 0;
   for (const auto& each : samples) values[count++] = value_of(each);
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(count));

@@ -57,7 +57,8 @@ void check_blind_travel(const CoordinatorConfig& config) {
   throw ConfigError("safety.max_age_s", problem.str());
 }
 
-/// A guard that is never reached with open eyes protects nobody: the robot would stop blindly before it, or be hit.
+/// The leader must still be visible at the guard distance: otherwise the robot stops, without sight of it, before
+/// the guard acts, or is hit.
 void check_guard(const CoordinatorConfig& config, const vision::TagTracker& tracker) {
   const double guard_m = config.control.guard.minimum_distance_m;
   const double nearest_m = vision::nearest_visible_distance_m(tracker, config.mounting);

@@ -89,7 +89,7 @@ std::size_t Envelope::crossings(const Arc& f, const Arc& g, double begin, double
     const auto& [gaussian, line] = f.is_gaussian() ? std::tie(f, g) : std::tie(g, f);
     for (double x : level_cut(Gaussian{gaussian.mean, gaussian.sigma}, line.level)) keep(x);
   } else {
-    // Bell minus line is convex or concave here, so it is monotone on either side of its stationary point.
+    // Gaussian minus line is convex or concave here, so it is monotone on either side of its stationary point.
     const auto difference = [&](double x) { return f(x) - g(x); };
     const auto slope = [&](double x) { return f.derivative(x) - g.derivative(x); };
     const double turn = changes_sign(slope, begin, end) ? bisect(slope, begin, end) : end;

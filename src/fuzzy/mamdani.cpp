@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kEverywhere = static_cast<std::size_t>(-1);
 
-// A wide input may touch every term.
+// A non-singleton input may overlap every term.
 void fuzzify_non_singleton(const LinguisticVariable& variable, double x, double width, WidthShape shape,
                            FuzzifiedInput& fuzzified) noexcept {
   for (std::uint32_t k = 0; k < variable.terms.size(); ++k) {

@@ -81,7 +81,7 @@ const World::Robot& World::robot(const std::string& name) const {
 }
 
 const World::Robot& World::leader_of(const Robot& follower) const {
-  if (follower.spec->follows.empty()) throw std::out_of_range("'" + follower.spec->name + "' follows nobody");
+  if (follower.spec->follows.empty()) throw std::out_of_range("'" + follower.spec->name + "' follows no robot");
   return robot(follower.spec->follows);
 }
 

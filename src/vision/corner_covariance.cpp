@@ -40,10 +40,10 @@ double correlation_factor(const Rows& rows, const TemplateSamples& samples,
 /// Residuals that agree with their neighbours' are edges that lie elsewhere than the template's, and what displaces
 /// them need not average out over the tag. [px^2], of one corner coordinate: such residuals, over the slope of the
 /// ramp, contrast / sqrt(2 pi blur). Up to twice as much as independence allows is chance.
-double misfit_variance_px2(const Appearance& look, double noise, double factor) {
+double residual_variance_px2(const Appearance& appearance, double noise, double factor) {
   const double systematic = noise * noise * std::max(0.0, 1.0 - 2.0 / factor);
-  const double blur_px2 = 0.5 * (look.blur_u_px2 + look.blur_v_px2) + kSampleBlur_px2;
-  return systematic * 2.0 * kPi * blur_px2 / std::max(look.contrast() * look.contrast(), 1.0);
+  const double blur_px2 = 0.5 * (appearance.blur_u_px2 + appearance.blur_v_px2) + kSampleBlur_px2;
+  return systematic * 2.0 * kPi * blur_px2 / std::max(appearance.contrast() * appearance.contrast(), 1.0);
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ Matrix8d corner_covariance(const CameraModel& camera, const Fit& fit, const Task
   }
   const double factor = correlation_factor(task.rows, task.samples, unit, fit.noise);
   Matrix8d covariance = factor * fit.noise * fit.noise * J * unit.topRows<8>() * J.transpose();
-  covariance.diagonal().array() += misfit_variance_px2(fit.look, fit.noise, factor);
+  covariance.diagonal().array() += residual_variance_px2(fit.appearance, fit.noise, factor);
   return covariance;
 }
 

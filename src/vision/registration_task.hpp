@@ -17,13 +17,13 @@ using Parameters = Eigen::Matrix<double, kParameters, 1>;
 
 struct Fit {
   TagWarp warp;
-  Appearance look;
+  Appearance appearance;
   double noise = 0.0;  ///< gray levels, 0: not known yet
   double outlier_share = 0.0;
 
   Eigen::Vector4d slopes() const {
     Eigen::Vector4d all;
-    all << look.black_slope, look.contrast_slope;
+    all << appearance.black_slope, appearance.contrast_slope;
     return all;
   }
 };

@@ -48,10 +48,11 @@ struct Shares {
 TagReading read_cells(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                       const Registration& registration, const LevelField* light) {
   const TagWarp warp(camera, registration.nHt);
-  const Appearance& look = registration.appearance;
+  const Appearance& appearance = registration.appearance;
   const Eigen::Matrix2d G2 = warp.flat_jacobian(Eigen::Vector2d::Zero()).inverse().cwiseAbs2();
   // Linear interpolation between pixels blurs a little more, by 1/6 px^2 on average.
-  const Eigen::Vector2d variance = G2 * Eigen::Vector2d(look.blur_u_px2 + 1.0 / 6.0, look.blur_v_px2 + 1.0 / 6.0);
+  const Eigen::Vector2d variance =
+      G2 * Eigen::Vector2d(appearance.blur_u_px2 + 1.0 / 6.0, appearance.blur_v_px2 + 1.0 / 6.0);
   const Eigen::Vector2d sigma = variance.cwiseSqrt() / pattern.cell_side;
   const double rim = 0.5 * (pattern.cells - 2 * TagPattern::kMargin) * pattern.cell_side - 0.75 * pattern.cell_side;
 
@@ -66,15 +67,15 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     const Eigen::Vector2d place = cell.centre + kRingInwards_cells * pattern.cell_side * Eigen::Vector2d(to_x, to_y);
     const Eigen::Vector2d pixel = warp.pixel(camera, warp.flat(place));
     if (cell.data) ++reading.bits;
-    double black = look.black + look.black_slope.dot(place);
-    double contrast = look.contrast() + look.contrast_slope.dot(place);
+    double black = appearance.black + appearance.black_slope.dot(place);
+    double contrast = appearance.contrast() + appearance.contrast_slope.dot(place);
     if (light != nullptr) {
       const LevelField::Levels levels = light->at(cell.centre);
       black = levels.black;
       contrast = levels.white - levels.black;
     }
     if (!is_inside(pixel, image.width, image.height) ||
-        (light != nullptr && contrast < kMinLocalContrast * look.contrast())) {
+        (light != nullptr && contrast < kMinLocalContrast * appearance.contrast())) {
       reading.unread_bits += cell.data ? 1 : 0;
       continue;
     }

@@ -29,14 +29,14 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr double kSmallestBlur_px2 = 0.05, kLargestBlur_px2 = 36.0;
-constexpr double kSpread = 1.3;      ///< samples lie so many standard deviations of the blur beside an edge, at most
-constexpr double kAtRest_px = 0.03;  ///< after a smaller step the rest is a hundredth of it: Newton's method converges
-constexpr double kNear_px = 0.7;     ///< a longer first step started too far away for its direction to be reliable
-constexpr double kAtHome_contrasts = 0.05;  ///< a fit on the wrong edges leaves more of the contrast unexplained,
-constexpr double kAtHome_outliers = 0.1;    ///< or more of its samples
-constexpr double kMinNoise = 0.2;           ///< gray levels: even a perfect picture is rounded, and a sample is a mean
-constexpr double kNotAtRest_px = 0.1;       ///< a last step that does
-constexpr double kDenseBelow_px = 3.2;      ///< cells smaller than this are sampled pixel by pixel
+constexpr double kSpread = 1.3;         ///< samples lie so many standard deviations of the blur beside an edge, at most
+constexpr double kConverged_px = 0.03;  ///< after a smaller step the rest is a hundredth of it
+constexpr double kNear_px = 0.7;        ///< a longer first step started too far away for its direction to be reliable
+constexpr double kMaxResidual_contrasts = 0.05;  ///< a fit on the wrong edges has a larger residual, in contrasts,
+constexpr double kMaxOutlierShare = 0.1;         ///< or more outliers among its samples
+constexpr double kMinNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
+constexpr double kNotConverged_px = 0.1;  ///< a last step of this length or more: it has not converged
+constexpr double kDenseBelow_px = 3.2;    ///< cells smaller than this are sampled pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
@@ -66,9 +66,9 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
     ++count[cell.white];
   }
   if (count[0] == 0 || count[1] == 0) return false;
-  fit.look.black = sum[0] / count[0];
-  fit.look.white = sum[1] / count[1];
-  return fit.look.contrast() > 0.0;
+  fit.appearance.black = sum[0] / count[0];
+  fit.appearance.white = sum[1] / count[1];
+  return fit.appearance.contrast() > 0.0;
 }
 
 /// One pass over the samples: the place of each on the tag, its expected gray level there, and the derivatives.
@@ -84,7 +84,7 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
   const auto cell_side = static_cast<float>(pattern.cell_side);
   const auto limit = static_cast<float>(fit.noise > 0.0 ? kOutlier_sigmas * fit.noise : 1e9);
   const Eigen::Vector4f slope = fit.slopes().cast<float>();
-  const auto black = static_cast<float>(fit.look.black), contrast = static_cast<float>(fit.look.contrast());
+  const auto black = static_cast<float>(fit.appearance.black), contrast = static_cast<float>(fit.appearance.contrast());
   Lanes squared_error = Lanes::Zero(), inliers = Lanes::Zero();
   const Lanes lane = Lanes::LinSpaced(0.0F, 7.0F);
   for (int block = 0; block < samples.blocks(); ++block) {
@@ -147,7 +147,7 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
 /// Prior knowledge: paper is lit evenly to some 20 % of its contrast, and a camera's blur stays what
 /// it was to 1 px^2. Without it the pixels of a very small tag could not determine 16 numbers.
 void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEquations& sum) {
-  const double slope_weight = std::pow(noise / (0.2 * std::max(fit.look.contrast(), 1.0)), 2);
+  const double slope_weight = std::pow(noise / (0.2 * std::max(fit.appearance.contrast(), 1.0)), 2);
   const Eigen::Vector4d slopes = fit.slopes();
   for (int i = 0; i < 4; ++i) {
     sum.information(kBx + i, kBx + i) += slope_weight;
@@ -156,19 +156,19 @@ void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEqua
   const double blur_weight = noise * noise;
   sum.information(kBlurU, kBlurU) += blur_weight;
   sum.information(kBlurV, kBlurV) += blur_weight;
-  sum.gradient[kBlurU] -= blur_weight * (fit.look.blur_u_px2 - start.blur_u_px2);
-  sum.gradient[kBlurV] -= blur_weight * (fit.look.blur_v_px2 - start.blur_v_px2);
+  sum.gradient[kBlurU] -= blur_weight * (fit.appearance.blur_u_px2 - start.blur_u_px2);
+  sum.gradient[kBlurV] -= blur_weight * (fit.appearance.blur_v_px2 - start.blur_v_px2);
 }
 
 void apply(const Parameters& step, bool with_blur, Fit& fit) {
   fit.warp.h += step.head<8>();
-  fit.look.black += step[kB];
-  fit.look.white += step[kB] + step[kC];
-  fit.look.black_slope += step.segment<2>(kBx);
-  fit.look.contrast_slope += step.segment<2>(kCx);
+  fit.appearance.black += step[kB];
+  fit.appearance.white += step[kB] + step[kC];
+  fit.appearance.black_slope += step.segment<2>(kBx);
+  fit.appearance.contrast_slope += step.segment<2>(kCx);
   if (!with_blur) return;
-  fit.look.blur_u_px2 = std::clamp(fit.look.blur_u_px2 + step[kBlurU], kSmallestBlur_px2, kLargestBlur_px2);
-  fit.look.blur_v_px2 = std::clamp(fit.look.blur_v_px2 + step[kBlurV], kSmallestBlur_px2, kLargestBlur_px2);
+  fit.appearance.blur_u_px2 = std::clamp(fit.appearance.blur_u_px2 + step[kBlurU], kSmallestBlur_px2, kLargestBlur_px2);
+  fit.appearance.blur_v_px2 = std::clamp(fit.appearance.blur_v_px2 + step[kBlurV], kSmallestBlur_px2, kLargestBlur_px2);
 }
 
 double largest_move(const TagWarp& before, const TagWarp& after) {
@@ -180,15 +180,15 @@ double largest_move(const TagWarp& before, const TagWarp& after) {
 
 /// What is left of the blur's shape, which is not quite Gaussian, pulls all pixels of an edge the same way; the smaller
 /// the cells, the less the edges' two flanks cancel. [px], of one corner coordinate, from renders of known geometry.
-double shape_sigma_px(const Appearance& look, double cell_px) {
-  const double blur_cells2 = 0.5 * (look.blur_u_px2 + look.blur_v_px2) / (cell_px * cell_px);
+double shape_sigma_px(const Appearance& appearance, double cell_px) {
+  const double blur_cells2 = 0.5 * (appearance.blur_u_px2 + appearance.blur_v_px2) / (cell_px * cell_px);
   return kShapeError_px * std::min(blur_cells2, 1.0);
 }
 
 /// One Gauss-Newton step; how far it moved the corners [px], or NaN. `extra_blur_px2` is what the samples are blurred
 /// with beyond the picture's own blur, which only a `fine` step changes.
 double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
-  const double blur_u = fit.look.blur_u_px2 + extra_blur_px2, blur_v = fit.look.blur_v_px2 + extra_blur_px2;
+  const double blur_u = fit.appearance.blur_u_px2 + extra_blur_px2, blur_v = fit.appearance.blur_v_px2 + extra_blur_px2;
   NormalEquations& sum = task.sum;
   const auto passed = [&](const auto& pass) {
     return pass(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
@@ -220,7 +220,7 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
 /// From far away: a template blurred by a third of a cell converges from a third of a cell away. False if it does not.
 bool pull_in(Task& task, Fit& fit) {
   const double wide_px = 0.3 * task.cell_px;
-  const double extra_blur = wide_px * wide_px - std::min(fit.look.blur_u_px2, fit.look.blur_v_px2);
+  const double extra_blur = wide_px * wide_px - std::min(fit.appearance.blur_u_px2, fit.appearance.blur_v_px2);
   if (extra_blur <= kSampleBlur_px2) return true;  // the picture's own blur has the same range
   task.samples.reach = 1;
   take_along_edges(task.image, task.camera, fit.warp, task.pattern, wide_px, kCoarseSamples, task.samples);
@@ -238,7 +238,7 @@ bool pull_in(Task& task, Fit& fit) {
 bool settle(Task& task, bool pulled_in, Fit& fit) {
   const bool dense = task.cell_px < kDenseBelow_px;
   const double extra_blur = dense ? 0.0 : kSampleBlur_px2;
-  const double widest_px = std::sqrt(std::max(fit.look.blur_u_px2, fit.look.blur_v_px2) + kSampleBlur_px2);
+  const double widest_px = std::sqrt(std::max(fit.appearance.blur_u_px2, fit.appearance.blur_v_px2) + kSampleBlur_px2);
   task.samples.reach = widest_px < 0.4 * task.cell_px ? 1 : 2;
   const auto take = [&](int wanted) {
     if (dense)
@@ -256,9 +256,9 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   for (int i = 0; i < (task.samples.light != nullptr ? kLitSteps : 6); ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return false;
-    if (move_px < kAtRest_px) return true;
+    if (move_px < kConverged_px) return true;
   }
-  return move_px < kNotAtRest_px;
+  return move_px < kNotConverged_px;
 }
 
 /// The same in uneven light: a shadow's edge, a reflection. Only where cells are large enough for their middles to show
@@ -267,18 +267,18 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
 bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
   if (task.cell_px < kLitFrom_px || !light.measure(task.image, task.camera, fit.warp, task.pattern, kLightReach, false))
     return false;
-  const Appearance levels = fit.look;
+  const Appearance levels = fit.appearance;
   // From here on the levels are what is added to those of the light.
-  fit.look.black = fit.look.white = 0.0;
-  fit.look.black_slope.setZero();
-  fit.look.contrast_slope.setZero();
+  fit.appearance.black = fit.appearance.white = 0.0;
+  fit.appearance.black_slope.setZero();
+  fit.appearance.contrast_slope.setZero();
   task.samples.light = &light;
   const bool settled = settle(task, true, fit);
   task.samples.light = nullptr;
-  fit.look.black += levels.black;
-  fit.look.white += levels.white;
-  fit.look.black_slope += levels.black_slope;
-  fit.look.contrast_slope += levels.contrast_slope;
+  fit.appearance.black += levels.black;
+  fit.appearance.white += levels.white;
+  fit.appearance.black_slope += levels.black_slope;
+  fit.appearance.contrast_slope += levels.contrast_slope;
   if (!settled) return false;
   return plain == nullptr ||
          fit.noise * (1.0 + fit.outlier_share) < kLitBetter * plain->noise * (1.0 + plain->outlier_share);
@@ -286,7 +286,7 @@ bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
 
 /// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
 bool explains(const Fit& fit) {
-  return fit.noise < kAtHome_contrasts * fit.look.contrast() && fit.outlier_share < kAtHome_outliers;
+  return fit.noise < kMaxResidual_contrasts * fit.appearance.contrast() && fit.outlier_share < kMaxOutlierShare;
 }
 
 }  // namespace
@@ -294,8 +294,8 @@ bool explains(const Fit& fit) {
 std::optional<Registration> register_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                                          const Eigen::Matrix3d& nHt, const Appearance& start) noexcept {
   Fit fit{TagWarp(camera, nHt), start};
-  fit.look.black_slope.setZero();  // uneven light is measured anew
-  fit.look.contrast_slope.setZero();
+  fit.appearance.black_slope.setZero();  // uneven light is measured anew
+  fit.appearance.contrast_slope.setZero();
   if (!fit.warp.is_finite() || !measure_levels(image, camera, pattern, fit)) return std::nullopt;
   const double cell_px = smallest_cell_px(fit.warp, pattern);
   if (!(cell_px > 0.5)) return std::nullopt;
@@ -321,9 +321,9 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   found.nHt = fit.warp.nHt();
   found.corners_px = tag_corners_px(camera, fit.warp);
   found.covariance_px2 = corner_covariance(camera, fit, task);
-  const double shape_px = shape_sigma_px(fit.look, cell_px);
+  const double shape_px = shape_sigma_px(fit.appearance, cell_px);
   found.covariance_px2.diagonal().array() += shape_px * shape_px;
-  found.appearance = fit.look;
+  found.appearance = fit.appearance;
   found.cell_px = smallest_cell_px(fit.warp, pattern);
   found.residual_rms = fit.noise;
   found.outlier_share = fit.outlier_share;

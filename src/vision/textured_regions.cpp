@@ -8,15 +8,15 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr int kTile_px = 4;
-constexpr int kMostTiles = 480 * 270;   ///< of 1920 x 1080; a larger picture is looked at with larger tiles
+constexpr int kMaxTiles = 480 * 270;    ///< of 1920 x 1080; a larger picture is looked at with larger tiles
 constexpr int kActiveOfNine = 8;        ///< so many tiles of 3 x 3 have the contrast
 constexpr double kNoise = 2.0;          ///< times the median contrast of tiles, which is that of noise
 constexpr int kRoomTiles = 5;           ///< around them: half of a tag with cells of 5 px
 constexpr double kLargestShare = 0.25;  ///< of the picture
 constexpr int kBlockTiles = 8;          ///< regions are made of blocks of so many tiles squared
-constexpr int kMostBlocks = 64 * 64;
+constexpr int kMaxBlocks = 64 * 64;
 
-using Tiles = std::array<std::uint8_t, kMostTiles>;
+using Tiles = std::array<std::uint8_t, kMaxTiles>;
 
 struct Grid {
   int tile_px = kTile_px, columns = 0, rows = 0;
@@ -49,7 +49,7 @@ int median_of(const Tiles& contrast, int count) {
 /// How many middles of 3 x 3 tiles with contrast lie in each block.
 struct Blocks {
   int columns = 0, rows = 0;
-  std::array<int, kMostBlocks> hits{};
+  std::array<int, kMaxBlocks> hits{};
 };
 
 }  // namespace
@@ -57,7 +57,7 @@ struct Blocks {
 TexturedRegions textured_regions(const ImageView& image, int min_contrast) noexcept {
   TexturedRegions regions;
   Grid grid;
-  while ((image.width / grid.tile_px) * (image.height / grid.tile_px) > kMostTiles) grid.tile_px *= 2;
+  while ((image.width / grid.tile_px) * (image.height / grid.tile_px) > kMaxTiles) grid.tile_px *= 2;
   grid.columns = image.width / grid.tile_px;
   grid.rows = image.height / grid.tile_px;
   if (grid.columns < 3 || grid.rows < 3) return regions;
@@ -69,7 +69,7 @@ TexturedRegions textured_regions(const ImageView& image, int min_contrast) noexc
   Blocks blocks;
   int block_tiles = kBlockTiles;
   const auto blocks_along = [&](int tiles) { return (tiles + block_tiles - 1) / block_tiles; };
-  while (blocks_along(grid.columns) * blocks_along(grid.rows) > kMostBlocks) block_tiles *= 2;
+  while (blocks_along(grid.columns) * blocks_along(grid.rows) > kMaxBlocks) block_tiles *= 2;
   blocks.columns = blocks_along(grid.columns);
   blocks.rows = blocks_along(grid.rows);
   for (int row = 1; row + 1 < grid.rows; ++row) {

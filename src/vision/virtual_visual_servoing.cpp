@@ -29,7 +29,7 @@ constexpr int kMaxIterations = 100;
 constexpr double kMaxDamping = 1e9;
 /// A step whose predicted decrease of the squared error, in squared standard deviations, is less than this is none: a
 /// ten thousandth of a sigma.
-constexpr double kAtRest = 1e-8;
+constexpr double kConverged = 1e-8;
 
 struct PoseEquations {
   Matrix6d information = Matrix6d::Zero();
@@ -72,8 +72,8 @@ std::optional<LocalMinimum> servo_virtually(const Eigen::Isometry3d& start, cons
     damped.diagonal() *= 1.0 + damping;
     const Vector6d step = -damped.ldlt().solve(here->gradient);
     if (!step.allFinite()) return std::nullopt;
-    const bool at_rest = -step.dot(here->gradient) < kAtRest || damping > kMaxDamping;
-    if (at_rest) return LocalMinimum{cMo, here->information, here->squared_error};
+    const bool converged = -step.dot(here->gradient) < kConverged || damping > kMaxDamping;
+    if (converged) return LocalMinimum{cMo, here->information, here->squared_error};
 
     const Eigen::Isometry3d there_cMo = se3::exp(step).inverse() * cMo;
     const std::optional<PoseEquations> there = linearize(there_cMo, squares);

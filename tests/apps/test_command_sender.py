@@ -179,7 +179,7 @@ def test_a_stop_is_a_zero_at_once_and_until_the_coordinator_has_been_told_of_it_
         answer(55, 0.5),
         "stop",
         "wait 1",
-        answer(56, 0.6),  # a frame that the coordinator looked at before it was told
+        answer(56, 0.6),  # a frame that the coordinator looked at before the change
         setpoint_changed(True, True, 0),  # a setpoint from before the stop
         answer(57, 0.7),
         setpoint_changed(True, False, 1),
@@ -298,7 +298,7 @@ def test_what_left_and_why_is_recorded_with_what_the_core_held():
     answered, stopped, beat = recorded[at : at + 3]
     assert (answered.holding, answered.missing) == (True, Reason.none)
     assert 0 < answered.asked_later_us <= AHEAD_US  # what will hold when the wheels hear it
-    assert (stopped.holding, stopped.run, stopped.missing) == (True, True, Reason.stop_requested)  # not told yet
+    assert (stopped.holding, stopped.run, stopped.missing) == (True, True, Reason.stop_requested)  # not received yet
     assert (beat.holding, beat.run, beat.missing) == (False, False, Reason.no_frame)
     assert 0 < beat.asked_later_us <= AHEAD_US
     assert any(r.asked_later_us > 0 for r in recorded)

@@ -12,8 +12,10 @@ PERIOD_US = 1_000_000
 def answers(events):
     """What the throttle says to each (kind, time_us): the number kept back if a line is due, else None."""
     probe = Path(__file__).parents[2] / "build" / "release" / "tests" / "probes" / "log_throttle_probe"
-    told = "".join(f"{kind} {time_us}\n" for kind, time_us in events)
-    said = subprocess.run([probe, str(PERIOD_US / 1e6)], input=told, capture_output=True, text=True, check=True).stdout
+    events_text = "".join(f"{kind} {time_us}\n" for kind, time_us in events)
+    said = subprocess.run(
+        [probe, str(PERIOD_US / 1e6)], input=events_text, capture_output=True, text=True, check=True
+    ).stdout
     return [None if word == "-" else int(word) for word in said.split()]
 
 
@@ -26,7 +28,7 @@ def test_a_flood_of_48000_events_in_ten_seconds_is_ten_lines_and_none_is_forgott
     said = answers([("setpoint", k * 208) for k in range(48_000)])
     lines = [kept_back for kept_back in said if kept_back is not None]
     assert len(lines) == 10  # 48 000 * 208 us = 9.98 s
-    tail = said[::-1].index(lines[-1])  # behind the last line: not yet told
+    tail = said[::-1].index(lines[-1])  # behind the last line: not yet reported
     assert sum(lines) + len(lines) + tail == 48_000
 
 

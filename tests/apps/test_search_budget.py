@@ -6,9 +6,9 @@ from build_tree import built
 
 
 def searches(*took_ms, frame_rate_hz=30.0, max_age_s=0.1):
-    told = "\n".join(map(str, took_ms))
+    durations = "\n".join(map(str, took_ms))
     command = [built("search_budget_probe"), str(frame_rate_hz), str(max_age_s)]
-    return subprocess.run(command, input=told, capture_output=True, text=True, check=True).stdout.splitlines()
+    return subprocess.run(command, input=durations, capture_output=True, text=True, check=True).stdout.splitlines()
 
 
 def test_whoever_is_quick_enough_searches_whole_pictures():

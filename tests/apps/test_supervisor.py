@@ -1,6 +1,6 @@
-"""The supervisor of pilotfish-coordinator's threads: what it tells the watchdog, and that the program always ends.
+"""The supervisor of pilotfish-coordinator's threads: what it reports to the watchdog, and that the program always ends.
 
-Its times are seconds of real time, so all runs go on at once; each has a service manager that notes when it heard what.
+Its times are seconds of real time, so all runs go on at once; each has a service manager that logs what it receives.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ RUNS = {  # what main() does, and after which line of it SIGTERM comes
 
 @dataclass
 class Run:
-    heard: list[tuple[float, str]] = field(default_factory=list)  # by the manager: when, and what
+    received: list[tuple[float, str]] = field(default_factory=list)  # by the manager: when, and what
     began_s: dict[str, float] = field(default_factory=dict)  # a verb, by its last time
     sent: list[tuple[Status, Reason]] = field(default_factory=list)
     end: list[str] | None = None
@@ -44,12 +44,12 @@ class Run:
 
     def fed(self, from_s: float, to_s: float) -> int:
         """How often it fed the watchdog between those times."""
-        return sum(what == "WATCHDOG=1" and from_s <= at <= to_s for at, what in self.heard)
+        return sum(what == "WATCHDOG=1" and from_s <= at <= to_s for at, what in self.received)
 
 
 def listen(listening: socket.socket, run: Run) -> None:
     while (message := listening.recv(4096)) != b"over":
-        run.heard.append((time.monotonic(), message.decode()))
+        run.received.append((time.monotonic(), message.decode()))
 
 
 def read(process: subprocess.Popen, stop_at: str | None, run: Run) -> None:
@@ -99,9 +99,9 @@ def runs(tmp_path_factory):
 def test_the_watchdog_is_fed_from_ready_on_while_all_threads_go_on(runs):
     # Every 50 ms for 1.5 s are 30 times; a third of them is enough on a computer that has other things to do.
     run = runs["all is well"]
-    assert run.heard[0][1] == "READY=1\nSTATUS=looking through camera 0"
-    assert {what for _, what in run.heard[1:]} == {"WATCHDOG=1"}
-    assert 10 <= len(run.heard) - 1 <= 40
+    assert run.received[0][1] == "READY=1\nSTATUS=looking through camera 0"
+    assert {what for _, what in run.received[1:]} == {"WATCHDOG=1"}
+    assert 10 <= len(run.received) - 1 <= 40
     assert run.end == ["0", "0"]
     assert run.code == 0
 
@@ -131,7 +131,7 @@ def test_a_signal_sends_zeros_and_wakes_the_control_loop(runs):
 def test_a_program_that_is_told_to_end_ends_though_a_thread_is_stuck(runs):
     run = runs["a signal, and main is stuck"]
     assert run.sent[-3:] == [(Status.stopped, Reason.stop_requested)] * 3
-    assert [what for _, what in run.heard if "STOPPING" in what] == ["STOPPING=1\nSTATUS=stopping"]
+    assert [what for _, what in run.received if "STOPPING" in what] == ["STOPPING=1\nSTATUS=stopping"]
     assert run.end is None
     assert run.code == 0
     assert END_WITHIN_S - 0.1 < run.ended_s - run.began_s["idle"] < 10.0
@@ -148,7 +148,7 @@ def test_a_failure_sends_zeros_and_is_remembered(runs):
     run = runs["a failure"]
     assert run.sent[-3:] == [(Status.invalid_input, Reason.internal_error)] * 3
     assert run.end == ["1", "1"]
-    assert run.heard[-1][1] == "STOPPING=1\nSTATUS=stopping"
+    assert run.received[-1][1] == "STOPPING=1\nSTATUS=stopping"
 
 
 def test_a_failure_ends_with_70_though_a_thread_is_stuck(runs):
@@ -160,6 +160,6 @@ def test_a_failure_ends_with_70_though_a_thread_is_stuck(runs):
 
 @pytest.mark.parametrize("name", ["a signal, and main is stuck", "a failure, and main is stuck"])
 def test_what_is_ending_feeds_no_watchdog(runs, name):
-    # What hangs while it ends is ended by the manager, if by nobody else.
-    stopping_s = next(at for at, what in runs[name].heard if "STOPPING" in what)
+    # What hangs while it ends is ended by the manager at the latest.
+    stopping_s = next(at for at, what in runs[name].received if "STOPPING" in what)
     assert runs[name].fed(stopping_s, runs[name].ended_s) == 0

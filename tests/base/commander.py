@@ -32,7 +32,7 @@ def mac(key: bytes, channel: str, message: bytes) -> bytes:
 
 
 class Commander:
-    """Speaks and listens as a coordinator does."""
+    """Sends and receives as a coordinator does."""
 
     def __init__(self, url: str, robot: str = "robot1", *, key: bytes | None = None) -> None:
         self.bus = lcm.LCM(url)
@@ -42,16 +42,16 @@ class Commander:
         self.counter = 0
         self.simulated = False
         self.valid_ms = 100
-        self.heard: list[base_t] = []
+        self.received: list[base_t] = []
         self.poses: list[pose_t] = []
         self.sent: list[bytes] = []
-        self.base_session: int | None = None  # instead of the one that is heard
-        self.bus.subscribe(f"{self.prefix}_BASE", lambda _, data: self.heard.append(base_t.decode(data)))
+        self.base_session: int | None = None  # instead of the one that is received
+        self.bus.subscribe(f"{self.prefix}_BASE", lambda _, data: self.received.append(base_t.decode(data)))
         self.bus.subscribe(f"{self.prefix}_POSE", lambda _, data: self.poses.append(pose_t.decode(data)))
 
     @property
     def last(self) -> base_t:
-        return self.heard[-1]
+        return self.received[-1]
 
     def listen(self, seconds: float) -> None:
         end_s = time.monotonic() + seconds
@@ -72,8 +72,8 @@ class Commander:
         message.mac = bytes(32)
         message.utime = time.time_ns() // 1000
         message.session, message.counter = self.session, self.counter
-        heard = self.heard[-1].session if self.heard else 0
-        message.base_session = heard if self.base_session is None else self.base_session
+        received = self.received[-1].session if self.received else 0
+        message.base_session = received if self.base_session is None else self.base_session
         message.valid_until_us = core.monotonic_now_us() + self.valid_ms * 1000
         message.linear_mps, message.angular_radps = linear_mps, angular_radps
         message.simulated = self.simulated
@@ -99,12 +99,12 @@ class Commander:
     def _until(self, condition: Callable[[], bool], what: str, within_s: float, act: Callable[[], None]) -> None:
         give_up_s = time.monotonic() + within_s
         while not condition():
-            assert time.monotonic() < give_up_s, f"{what}: not within {within_s} s; last heard: {self._words()}"
+            assert time.monotonic() < give_up_s, f"{what}: not within {within_s} s; last received: {self._words()}"
             act()
             self.listen(0.02)
 
     def _words(self) -> str:
-        if not self.heard:
+        if not self.received:
             return "nothing"
         counters = {c.name: c.count for c in self.last.rejected}
         return f"{self.last.text}, {self.last.linear_mps:.3f} m/s, {counters}"

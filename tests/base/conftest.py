@@ -24,7 +24,7 @@ def controller() -> Iterator[MotorController]:
 
 @pytest.fixture
 def robot(tmp_path: Path, url: str, controller: MotorController) -> Iterator[WheelsProcess]:
-    """pilotfish-base on a serial line, and a commander that it has not heard yet."""
+    """pilotfish-base on a serial line, and a commander from which it has received nothing yet."""
     with WheelsProcess(tmp_path, url, f"serial:{controller.device}") as robot:
         yield robot
 
@@ -32,5 +32,5 @@ def robot(tmp_path: Path, url: str, controller: MotorController) -> Iterator[Whe
 @pytest.fixture
 def commander(url: str, robot: WheelsProcess) -> Commander:
     commander = Commander(url)
-    commander.listen_until(lambda: bool(commander.heard), "a word from the base")
+    commander.listen_until(lambda: bool(commander.received), "a message of the base")
     return commander

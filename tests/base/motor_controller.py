@@ -46,7 +46,7 @@ _LINE = re.compile(rb"\$(PFW,(\d+),(-?\d+),(-?\d+))\*([0-9A-F]{2})\r?\n")
 
 class MotorController:
     """A pseudo terminal whose other end is opened by pilotfish-base as ``device``. It answers every good set-point with
-    its encoders, which count as if the wheels did what they were told at once (1000 ticks a turn)."""
+    its encoders, which count as if the wheels executed commands at once (1000 ticks a turn)."""
 
     def __init__(self) -> None:
         self._master, self._slave = os.openpty()
@@ -92,7 +92,7 @@ class MotorController:
                 continue
             try:
                 pending += os.read(self._master, 4096)
-            except OSError:  # nobody has the other end open
+            except OSError:  # the other end is not open
                 self._stop.wait(0.005)
                 continue
             now_s = time.monotonic()

@@ -1,4 +1,4 @@
-"""What the base process can be told by its configuration: each parameter has bounds, and they belong to it."""
+"""What can be configured of the base process: each parameter has bounds, and they belong to it."""
 
 import math
 from contextlib import nullcontext

@@ -62,7 +62,7 @@ def test_odometry_comes_from_the_encoders(commander, controller):
     commander.drive_until(lambda: commander.poses and commander.poses[-1].pos[0] > 0.2, "0.2 m of way")
     assert abs(commander.poses[-1].pos[1]) < 0.02
     # 1000 ticks a turn where the configuration says 2048: the wheels seem to turn 1000/2048 as fast.
-    measured = [m.measured_linear_mps for m in commander.heard if m.measured]
+    measured = [m.measured_linear_mps for m in commander.received if m.measured]
     assert statistics.median(measured) == pytest.approx(0.3 * 1000 / 2048, rel=0.4)
 
 
@@ -117,7 +117,7 @@ def test_a_recording_of_an_earlier_run_of_the_base_moves_nothing(tmp_path, url, 
 def test_a_second_sender_never_drives(commander, controller, url):
     driven(commander, controller)
     other = Commander(url)
-    other.listen_until(lambda: bool(other.heard), "the base")
+    other.listen_until(lambda: bool(other.received), "the base")
     before = len(controller.set_points)
     while commander.rejected("command_foreign") < 50:
         assert other.counter < 1000
@@ -166,9 +166,9 @@ def test_forged_and_replayed_commands_and_resumes_are_refused_where_a_key_is_con
     config = tmp_path / "base.yaml"
     config.write_text(CONFIG.read_text() + f"\nkey_file: {file}\n")
     with WheelsProcess(tmp_path, url, f"serial:{controller.device}", config=config):
-        forger, honest = Commander(url, key=bytes(32)), Commander(url, key=key)
+        forger, authorised = Commander(url, key=bytes(32)), Commander(url, key=key)
         bare = Commander(url)
-        forger.listen_until(lambda: bool(forger.heard), "the base")
+        forger.listen_until(lambda: bool(forger.received), "the base")
         while forger.rejected("command_mac_wrong") < 200:
             assert forger.counter < 5000
             forger.command(0.3)
@@ -176,31 +176,31 @@ def test_forged_and_replayed_commands_and_resumes_are_refused_where_a_key_is_con
             forger.listen(0.005)
         assert not any(s.moves for s in controller.set_points)
 
-        driven(honest, controller)
+        driven(authorised, controller)
         bare.setpoint(run=False)  # a stop needs no key
-        honest.drive_until(standing(controller), "the stop")
+        authorised.drive_until(standing(controller), "the stop")
         before = len(controller.set_points)
         counter = 0
-        while honest.rejected("setpoint_mac_wrong") < 50:
+        while authorised.rejected("setpoint_mac_wrong") < 50:
             counter += 1
             assert counter < 500
-            forger.setpoint(run=True, session=honest.session, counter=counter)
-            bare.setpoint(run=True, session=honest.session, counter=counter)
-            honest.command(0.3)
-            honest.listen(0.02)
+            forger.setpoint(run=True, session=authorised.session, counter=counter)
+            bare.setpoint(run=True, session=authorised.session, counter=counter)
+            authorised.command(0.3)
+            authorised.listen(0.02)
         assert not any(s.moves for s in controller.set_points[before:])
-        honest.setpoint(run=True, session=honest.session, counter=1)
-        honest.drive_until(moving(controller), "the honest resume")
+        authorised.setpoint(run=True, session=authorised.session, counter=1)
+        authorised.drive_until(moving(controller), "the authorised resume")
 
 
 @pytest.mark.fault("wheels_unplugged")
 def test_a_line_that_is_not_read_blocks_nothing_and_gives_no_old_speeds_afterwards(commander, controller, robot):
     driven(commander, controller)
     controller.reads = False
-    heard = len(commander.heard)
+    received = len(commander.received)
     fault = base_t.STATE_FAULT
     commander.drive_until(lambda: commander.last.state == fault, "the fault")
-    commander.drive_until(lambda: len(commander.heard) > heard + 100, "a base that goes on speaking")
+    commander.drive_until(lambda: len(commander.received) > received + 100, "a base that goes on sending")
     commander.listen_until(
         lambda: commander.last.accepted_session == 0, "the end of the sender: no command is good any more"
     )
@@ -305,7 +305,7 @@ def test_a_second_base_of_the_name_ends_with_69(tmp_path, url, robot, commander,
 
 
 def test_a_blocked_terminal_stops_nothing(tmp_path, url, controller):
-    """stderr is a pipe that nobody reads, and full."""
+    """stderr is a full pipe without a reader."""
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
     try:
@@ -321,7 +321,7 @@ def test_a_blocked_terminal_stops_nothing(tmp_path, url, controller):
         commander.listen_until(standing(controller), "zeros")
         driven(commander, controller)
         process.terminate()
-        commander.drive_until(lambda: process.poll() is not None, "the end, although nobody reads")
+        commander.drive_until(lambda: process.poll() is not None, "the end, without a reader")
         assert process.returncode == 0
         assert standing(controller, zeros=1)()
     os.close(read_end)

@@ -143,7 +143,7 @@ def test_a_second_sender_never_drives_and_does_not_disturb_the_first(wheels):
 
 
 @pytest.mark.parametrize(("first", "second"), [(1, 2), (2, 1)])  # sessions are random: none is later than another
-def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_obeyed_after_that(wheels, first, second):
+def test_a_silent_sender_may_go_on_until_another_has_driven_and_is_never_obeyed_after_that(wheels, first, second):
     driven(wheels, session=first)
     wheels.pass_ms(480)
     assert wheels.command(second, 1) == CommandVerdict.foreign  # 500 ms since the last command, not more
@@ -154,7 +154,7 @@ def test_a_silent_sender_may_go_on_until_somebody_else_has_driven_and_is_never_o
     wheels.pass_ms(600)
     assert wheels.command(first, 1001) == CommandVerdict.session_ended
     assert wheels.command(second, 2) == CommandVerdict.replayed
-    assert wheels.command(second, 3) == CommandVerdict.accepted  # silent for 600 ms, and nobody drove in between
+    assert wheels.command(second, 3) == CommandVerdict.accepted  # silent for 600 ms, and no other drove in between
 
 
 def test_what_was_refused_as_foreign_cannot_be_played_once_its_time_has_come(wheels):
@@ -172,7 +172,7 @@ def test_simulated_commands_move_simulated_wheels_only():
 
 
 def test_a_pause_of_this_process_makes_all_that_has_queued_up_unplausible(wheels):
-    """SIGSTOP for two seconds: the sender lives, its commands lie in the queue, and nobody knows since when."""
+    """SIGSTOP for two seconds: the sender lives, its commands lie in the queue, of unknown age."""
     driven(wheels)
     wheels.now_us += 2_000_000
     for k in range(11, 41):
@@ -189,7 +189,7 @@ def test_more_senders_than_can_be_remembered_are_not_obeyed(wheels):
         wheels.command(session, 1)
     wheels.pass_ms(600)
     assert wheels.command(base.SESSIONS + 1, 1) == CommandVerdict.sessions_full
-    assert wheels.command(base.SESSIONS, 2) == CommandVerdict.accepted  # it has been heard and was never obeyed
+    assert wheels.command(base.SESSIONS, 2) == CommandVerdict.accepted  # its messages were received and never obeyed
 
 
 @pytest.mark.parametrize("twist", [(float("nan"), 0.0), (0.0, float("inf")), (float("-inf"), float("nan"))])

@@ -20,7 +20,7 @@ LIMITS = base.WheelLimitsConfig(
     max_wheel_radps=1000.0,
 )
 any_number = st.floats(allow_nan=True, allow_infinity=True)
-told_numbers = st.tuples(st.floats(-0.2, 0.7), st.floats(-2.0, 2.0))
+last_commands = st.tuples(st.floats(-0.2, 0.7), st.floats(-2.0, 2.0))
 
 
 def limited(wanted, last=(0.0, 0.0), dt_s=0.1, limits=LIMITS):
@@ -29,7 +29,7 @@ def limited(wanted, last=(0.0, 0.0), dt_s=0.1, limits=LIMITS):
 
 
 @pytest.mark.parametrize(
-    ("wanted", "told", "expected"),
+    ("wanted", "last", "expected"),
     [
         ((0.5, 0.0), (0.0, 0.0), (0.1, 0.0)),  # 1 m/s2 for 0.1 s
         ((9.0, 9.0), (0.7, 2.0), (0.7, 2.0)),
@@ -43,24 +43,24 @@ def limited(wanted, last=(0.0, 0.0), dt_s=0.1, limits=LIMITS):
         ((0.0, 0.0), (0.7, 2.0), (0.0, 0.0)),  # zero is never put off
     ],
 )
-def test_speeding_up_braking_and_reversing_by_hand(wanted, told, expected):
-    assert limited(wanted, told) == pytest.approx(expected)
+def test_speeding_up_braking_and_reversing_by_hand(wanted, last, expected):
+    assert limited(wanted, last) == pytest.approx(expected)
 
 
-@given(any_number, any_number, told_numbers, st.floats(0.0, 0.1))
-def test_nothing_gets_past_the_limits(v, w, told, dt_s):
-    linear, angular = limited((v, w), told, dt_s)
+@given(any_number, any_number, last_commands, st.floats(0.0, 0.1))
+def test_nothing_gets_past_the_limits(v, w, last, dt_s):
+    linear, angular = limited((v, w), last, dt_s)
     assert -0.2 <= linear <= 0.7
     assert abs(angular) <= 2.0
     if linear != 0.0 or angular != 0.0:
         assert math.isfinite(v) and math.isfinite(w)
-        assert abs(linear) <= abs(told[0]) + 1.0 * dt_s + 1e-12, "speeding up beyond the limit"
-        assert abs(angular - told[1]) <= 10.0 * dt_s + 1e-12
+        assert abs(linear) <= abs(last[0]) + 1.0 * dt_s + 1e-12, "speeding up beyond the limit"
+        assert abs(angular - last[1]) <= 10.0 * dt_s + 1e-12
 
 
-@given(told_numbers)
-def test_a_zero_is_a_zero_at_once(told):
-    assert limited((0.0, 0.0), told, dt_s=0.0) == (0.0, 0.0)
+@given(last_commands)
+def test_a_zero_is_a_zero_at_once(last):
+    assert limited((0.0, 0.0), last, dt_s=0.0) == (0.0, 0.0)
 
 
 def test_while_time_goes_back_or_stands_still_nothing_changes_but_to_zero():

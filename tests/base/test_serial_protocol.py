@@ -188,7 +188,7 @@ def test_a_controller_that_echoes_a_recent_line_hears_us():
     link = base.ControllerLink(timeout_s=0.25)
     assert not link.alive(now_us=0)
     first = link.next_sequence(now_us=0)
-    assert not link.alive(now_us=0), "sent is not heard"
+    assert not link.alive(now_us=0), "sent is not received"
     link.echoed(first)
     assert link.alive(now_us=250 * MS)
     assert not link.alive(now_us=251 * MS)

@@ -19,7 +19,7 @@ SECONDS = 60.0  # longer than any of these tests
 
 @pytest.fixture
 def scenario(tmp_path):
-    """line.yaml, where nobody need be told a setpoint."""
+    """line.yaml, where no setpoint need be sent."""
     folder = shipped.path("scenarios")
     scenario = yaml.safe_load((folder / "line.yaml").read_text())
     for robot in scenario["robots"]:

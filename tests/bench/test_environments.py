@@ -29,7 +29,7 @@ def requirements(file: Path) -> list[Requirement]:
 
 
 def asked(file: Path) -> list[Requirement]:
-    """What scripts/lock is told to pin: the file, and its share of pyproject.toml."""
+    """What scripts/lock is to pin: the file, and its share of pyproject.toml."""
     texts = list(PROJECT["project"]["dependencies"])
     if file.name == "requirements-dev.in":
         texts += PROJECT["build-system"]["requires"]

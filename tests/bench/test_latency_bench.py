@@ -15,9 +15,9 @@ import pytest
 
 sys.path.append(str(Path(__file__).parents[2] / "bench" / "latency"))  # where measure finds its neighbours
 
-from bench.latency.ear import Ear
 from bench.latency.figures import rows_of
 from bench.latency.measure import moving_leader
+from bench.latency.receiver import Receiver
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
@@ -38,7 +38,7 @@ def arm(receiver: str, picture: str, milliseconds: list[float], sent: int | None
 
 def test_the_first_command_that_names_a_picture_answers_it_and_a_repetition_does_not():
     url = private_lcm_url()
-    ear, sender = Ear(url), lcm.LCM(url)
+    receiver, sender = Receiver(url), lcm.LCM(url)
     try:
         picture = image_t()
         picture.data = bytes(200_000)  # in fragments, which the kernel keeps away
@@ -51,17 +51,17 @@ def test_the_first_command_that_names_a_picture_answers_it_and_a_repetition_does
         sender.publish("ROBOT1_COMMAND", command(2, command_t.STATUS_TRACKING))  # as the coordinator between pictures
         sender.publish("ROBOT1_COMMAND", command(3, command_t.STATUS_TRACKING))
         give_up_s = time.monotonic() + 5.0
-        while 3 not in ear.heard.answers_ns and time.monotonic() < give_up_s:
-            select.select([ear], [], [], 1.0)
-            ear.listen()
+        while 3 not in receiver.received.answers_ns and time.monotonic() < give_up_s:
+            select.select([receiver], [], [], 1.0)
+            receiver.listen()
     finally:
-        ear.close()
-    assert sorted(ear.heard.answers_ns) == [1, 2, 3]
-    assert ear.heard.other_commands == 1
-    assert ear.heard.tracking == 2
-    # By the kernel's clock, not by when the ear got round to it.
-    assert before_ns <= ear.heard.answers_ns[1] <= ear.heard.answers_ns[2] <= between_ns
-    assert between_ns <= ear.heard.answers_ns[3]
+        receiver.close()
+    assert sorted(receiver.received.answers_ns) == [1, 2, 3]
+    assert receiver.received.other_commands == 1
+    assert receiver.received.tracking == 2
+    # By the kernel's clock, not by when the receiver got round to it.
+    assert before_ns <= receiver.received.answers_ns[1] <= receiver.received.answers_ns[2] <= between_ns
+    assert between_ns <= receiver.received.answers_ns[3]
 
 
 def test_no_picture_is_one_that_was_shown_just_before():

@@ -18,7 +18,7 @@ from census import Census  # noqa: E402
 from robot import Robot  # noqa: E402
 
 RATE_HZ = 12.0
-# One of each sort: of the camera, of its stamps, of the bus, of who may speak, and those after which it waits a second.
+# One of each sort: of the camera, of its stamps, of the bus, of other senders, and those after which it waits a second.
 KINDS = ["gray", "frozen", "cut-off-jpeg", "wild-stamps", "clock-hour", "fragments", "liblcm-killer", "forgeries"]
 KINDS += ["stop-resume", "second-coordinator"]
 

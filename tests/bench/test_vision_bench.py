@@ -79,7 +79,7 @@ def test_a_fifth_of_the_drive_is_hidden_a_tenth_or_more():
     assert np.count_nonzero(hidden) == 200
     assert hidden[hidden > 0].min() >= 0.1
     assert hidden.max() <= 1.0
-    # Nobody passes in one frame only: 200 single frames would have 200 beginnings.
+    # No leader passes in one frame only: 200 single frames would have 200 beginnings.
     assert np.count_nonzero(np.diff(np.r_[0, hidden > 0]) == 1) < 100
 
 

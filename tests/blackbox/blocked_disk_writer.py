@@ -8,7 +8,7 @@ from pathlib import Path
 from recorded_runs import RecordedRun, drive_at_random
 
 folder = Path(sys.argv[1])
-# A file of the far future makes the name of the next one known; that is a pipe which nobody reads.
+# A file of the far future makes the name of the next one known; that is a pipe without a reader.
 (folder / "robot1-99999999999999999-0.lcmlog").touch()
 os.mkfifo(folder / "robot1-100000000000000000-0.lcmlog")
 

@@ -25,7 +25,7 @@ def wait_until(condition, timeout_s=20.0):
 
 
 class RecordedRun:
-    """A coordinator and its black box, told the same; keeps what it answered."""
+    """A coordinator and its black box with the same inputs; keeps what it answered."""
 
     def __init__(self, folder: Path, *, law="fuzzy", profile="anticipate", robot="robot1", **black_box):
         self.overrides = coordinator.ConfigOverrides(law=law, profile=profile)

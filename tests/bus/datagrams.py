@@ -1,4 +1,4 @@
-"""LCM's datagrams, byte by byte, as liblcm's udpm provider sends them and as nobody should."""
+"""LCM's datagrams, byte by byte, as liblcm's udpm provider sends them, and malformed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Somebody who hears everything on the bus but has no key: tests/probes/forgery_probe.cpp."""
+"""A sender that receives everything on the bus but has no key: tests/probes/forgery_probe.cpp."""
 
 import subprocess
 from pathlib import Path

@@ -315,7 +315,7 @@ def test_a_message_is_as_old_as_it_waited_in_the_kernel(probe):
     assert arrival(950_000) == 900_000  # of the future: now
     assert arrival(0) == 500  # not before the instant at which nothing waited
     assert arrival(1_000, now_us=400, wall_us=1_400) == 400  # asked about an instant before that: now
-    # Somebody set the wall clock since (an hour back, an hour on): the oldest arrival that is possible.
+    # The wall clock was set since (an hour back, an hour on): the oldest arrival that is possible.
     for step_us in (-3_600_000_000, 3_600_000_000, -2_001, 2_001):
         assert arrival(801_000, wall_us=901_000 + step_us) == 500
     assert arrival(801_000, wall_us=901_000 + 1_999) == 798_001  # no step, so the wait is accepted

@@ -299,7 +299,7 @@ def test_any_consistent_raw_layout_is_read_as_the_python_side_reads_it(
     link.send(channel, message.encode())
     (frame,) = received
     assert (frame.width, frame.height) == (width, height)
-    if frame.defect == core.Reason.none:  # below 16 pixels a side it is handed on, but nobody may look at it
+    if frame.defect == core.Reason.none:  # below 16 pixels a side it is handed on, but it may not be used
         # Pillow's conversion to gray is the same BT.601 in 16-bit fixed point: an independent oracle, exact.
         np.testing.assert_array_equal(frame.image, wire.decode_image(message.encode()).image)
 

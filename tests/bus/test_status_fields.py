@@ -62,7 +62,7 @@ def test_a_number_that_is_not_finite_goes_out_as_zero_and_does_not_come_in(link,
     setattr(message, name, bad)
     link.send("R1_STATUS", message.encode())
     assert received == []
-    assert link.bus.rejected["status_not_finite"] == 2  # sent, and heard
+    assert link.bus.rejected["status_not_finite"] == 2  # sent, and received
 
 
 def test_every_number_says_what_it_is():

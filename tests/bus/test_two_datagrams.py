@@ -37,18 +37,18 @@ class Listener:
 
     def __init__(self, url):
         self.bus = bus.Bus(url)
-        self.heard = 0
+        self.received = 0
         self.bus.on_command("robot1", self.count)
         self.bus.on_encoded_image("ROBOT1_IMAGE", self.count)
 
     def count(self, _):
-        self.heard += 1
+        self.received += 1
 
     def wait_for(self, more, child):
-        enough, give_up = self.heard + more, time.monotonic() + WITHIN_S
-        while self.heard < enough:
+        enough, give_up = self.received + more, time.monotonic() + WITHIN_S
+        while self.received < enough:
             assert child.process.poll() is None, child.error(f"ended with {child.process.returncode}")
-            assert time.monotonic() < give_up, child.error(f"{self.heard} of {enough} messages")
+            assert time.monotonic() < give_up, child.error(f"{self.received} of {enough} messages")
             self.bus.handle(20)
 
 

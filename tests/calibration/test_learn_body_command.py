@@ -22,7 +22,7 @@ SIZES = [word for size in ("0.16", "1=0.12", "5=0.10", "7=0.12") for word in ("-
 
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("film")
+    folder = tmp_path_factory.mktemp("video")
     for frame in film():
         Image.fromarray(frame.image).save(folder / f"{frame.utime:04d}.png")
     return folder

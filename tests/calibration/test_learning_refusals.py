@@ -48,16 +48,16 @@ def test_a_wrong_size_is_named_with_the_right_one(wrong, factor, within):
     seen = sightings_of(FIVE, one_turn(44, from_deg=-110, to_deg=110), sigma_px=0.1, seed=2)
     with pytest.raises(BodyLearningError) as refusal:
         learn_body(with_sizes(seen, **{wrong: factor}), CAMERA)
-    ((tag_id, looks_like),) = re.findall(r"tag (\d): \S+ m was said, it looks like (\S+) m", str(refusal.value))
+    ((tag_id, measured),) = re.findall(r"tag (\d): \S+ m configured, (\S+) m measured", str(refusal.value))
     true = next(each.size_m for each in FIVE.tags if each.id == int(wrong[-1]))
-    assert (tag_id, float(looks_like)) == (wrong[-1], pytest.approx(true, rel=within))
+    assert (tag_id, float(measured)) == (wrong[-1], pytest.approx(true, rel=within))
 
 
 def test_a_size_that_is_off_by_a_percent_is_warned_of():
     seen = sightings_of(FIVE, one_turn(44, from_deg=-110, to_deg=110), sigma_px=0.1, seed=3)
     learned = learn_body(with_sizes(seen, tag7=1.012), CAMERA)
-    (warning,) = [text for text in learned.warnings if "looks like" in text]
-    assert warning.startswith("tag 7: 0.1214 m was said")
+    (warning,) = [text for text in learned.warnings if "m measured" in text]
+    assert warning.startswith("tag 7: 0.1214 m configured")
 
 
 def test_all_sizes_wrong_by_the_same_factor_give_the_body_larger_by_it():

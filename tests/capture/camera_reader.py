@@ -1,4 +1,4 @@
-"""A program that reads a camera when it is told to, for tests that load a fake one into it. Lines on stdin: ``next``
+"""A program that reads a camera on request, for tests that load a fake one into it. Lines on stdin: ``next``
 or ``open``; a line of JSON on stdout for each."""
 
 import json

@@ -94,7 +94,7 @@ def test_a_jpeg_whose_header_promises_more_than_it_holds_costs_nothing(tmp_path)
 @pytest.mark.parametrize("mode", ["L", "RGB"])
 def test_a_whole_jpeg_comes_as_the_luma_that_was_coded_bit_for_bit(tmp_path, options, mode):
     """As OpenCV gave it, and as libjpeg gives it in gray through Pillow's draft mode: the very Y samples, so that
-    nobody's rounding of BT.601 comes in between."""
+    no rounding of BT.601 comes in between."""
     data = encoded(mode, format="JPEG", **options)
     luma = Image.open(io.BytesIO(data))
     luma.draft("L", luma.size)

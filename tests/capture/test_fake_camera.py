@@ -49,7 +49,7 @@ class Reader:
         self.process.stdout.close()
         assert self.process.wait(10) == 0
 
-    def tell(self, word):
+    def request(self, word):
         self.process.stdin.write(word + "\n")
         self.process.stdin.flush()
 
@@ -57,11 +57,11 @@ class Reader:
         return json.loads(self.process.stdout.readline())
 
     def open(self):
-        self.tell("open")
+        self.request("open")
         return self.answer()
 
     def next(self):
-        self.tell("next")
+        self.request("next")
         return self.answer()
 
     def frame(self):
@@ -267,7 +267,7 @@ def test_a_camera_that_is_pulled_out_while_it_is_waited_for_ends_at_once(tmp_pat
     camera = FakeCamera(tmp_path, {"scenes": scenes()}, rate_hz=RATE_HZ)
     camera.blocked = 1
     with opened(camera) as reader:
-        reader.tell("next")
+        reader.request("next")
         camera.pulled_out = 1
         assert "has been pulled out" in reader.answer()["why_ended"]
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pilotfish import core, sim
 from pilotfish import data as shipped
 from pilotfish.harness.drawn_observations import DrawnObservations, ObservationNoise
-from pilotfish.harness.in_process import Tell, run_in_process
+from pilotfish.harness.in_process import Feed, run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.recording import Recording
 
@@ -25,8 +25,8 @@ def twist(linear_mps: float, angular_radps: float = 0.0) -> core.Twist:
 
 @dataclass
 class LeaderWithIntent:
-    """Says 100 times a second what it does, and is heard at once. A picture is answered one latency after its exposure,
-    so by then everything up to that moment has been heard, unless it takes delay_s more."""
+    """Says 100 times a second what it does, and is received at once. A picture is answered one latency after its
+    exposure, so by then everything up to that moment has been received, unless it takes delay_s more."""
 
     word: Word = lambda time_s, truth: truth
     delay_s: float = 0.0
@@ -34,7 +34,7 @@ class LeaderWithIntent:
     rate_hz: float = 100.0
     said: int = -1
 
-    def tell(self, world: sim.World, robot: str, driver) -> None:
+    def feed(self, world: sim.World, robot: str, driver) -> None:
         leader = world.scenario.robot("leader")
         last = math.floor((world.time_s + CAMERA_LATENCY_S - self.delay_s) * self.rate_hz + 1e-6)
         for k in range(self.said + 1, last + 1):
@@ -47,7 +47,7 @@ class LeaderWithIntent:
 
 
 def follow(
-    which: str, tell: Tell | None = None, *, seed: int = 1, duration_s: float | None = None
+    which: str, feed: Feed | None = None, *, seed: int = 1, duration_s: float | None = None
 ) -> tuple[Recording, Counter[str]]:
     """A run with drawn measurements, and how often which use was made of announcements."""
     uses: Counter[str] = Counter()
@@ -60,7 +60,7 @@ def follow(
         Scenario.load(shipped.path(f"scenarios/{which}.yaml")),
         profile="anticipate",
         drawn=DrawnObservations(seed, COARSE),
-        tell=tell,
+        feed=feed,
         duration_s=duration_s,
         on_frame=count,
     )

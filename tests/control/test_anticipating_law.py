@@ -178,7 +178,7 @@ def test_far_from_the_edges_the_guard_leaves_the_command_alone(d, theta, v):
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(seed=st.integers(0, 10_000))
 def test_no_law_ever_breaks_a_limit(law, seed):
-    """Whatever is measured, near or far, calm or wild."""
+    """Whatever is measured, near or far, steady or not."""
     random = np.random.default_rng(seed)
     driver = control.Follower(control.FollowerConfig(law=LAW, active_law=law))
     before, utime = core.Twist(), 1_000_000

@@ -25,7 +25,7 @@ def moved(config=AS_MEASURED, at_utime=0):
 
 
 def test_between_two_measured_twists_the_robot_moved_with_their_mean():
-    """Told to stand still, and 0.2 then 0.4 m/s were measured 0.1 s apart: 0.3 m/s * 0.1 s = 30 mm."""
+    """Commanded to stand still, and 0.2 then 0.4 m/s were measured 0.1 s apart: 0.3 m/s * 0.1 s = 30 mm."""
     own = moved()
     for utime, speed in ((0, 0.2), (100_000, 0.4)):
         own.measured(utime + 1, twist(speed))
@@ -38,7 +38,7 @@ def test_between_two_measured_twists_the_robot_moved_with_their_mean():
 
 
 def test_behind_the_last_measured_twist_the_model_s_error_stays_for_a_fifth_of_a_second():
-    """Told to stand still, measured at 0.4 m/s: 40 mm in the next 0.1 s, 80 mm in 0.2 s, and then no more."""
+    """Commanded to stand still, measured at 0.4 m/s: 40 mm in the next 0.1 s, 80 mm in 0.2 s, and then no more."""
     own = moved()
     own.measured(1, twist(0.4))
     for utime, x_m, speed in ((100_001, 0.04, 0.4), (200_000, 0.08, 0.4), (200_001, 0.08, 0.0), (900_000, 0.08, 0.0)):
@@ -48,9 +48,9 @@ def test_behind_the_last_measured_twist_the_model_s_error_stays_for_a_fifth_of_a
     assert own.source == commanded
 
 
-def test_what_is_told_while_odometry_is_under_way_counts_at_once():
-    """Measured 0.1 m/s where the model stands still; then told 0.3 m/s, which both are faster by: the model's 0.3 minus
-    what ramp (0.3 s to 0.3 m/s) and lag leave, and 0.1 on top."""
+def test_what_is_commanded_while_odometry_is_under_way_counts_at_once():
+    """Measured 0.1 m/s where the model stands still; then commanded 0.3 m/s, which both are faster by: the model's 0.3
+    minus what ramp (0.3 s to 0.3 m/s) and lag leave, and 0.1 on top."""
     own, model = moved(), moved()
     own.measured(1, twist(0.1))
     for each in (own, model):
@@ -85,17 +85,17 @@ def test_when_odometry_falls_silent_everything_is_soon_as_if_there_had_never_bee
 
 
 @pytest.mark.parametrize("filter_s", [0.0, 0.1])
-def test_measured_twists_show_the_way_of_wheels_that_do_something_else_than_they_are_told(filter_s):
-    """Told 0.6 m/s they reach 0.35: after 2 s the commands alone are more than 0.3 m off. As measured, the way is right
-    to what the straight lines between two twists leave, and with a filter of 0.1 s to 0.1 s times the 0.25 m/s by which
-    the model comes to be wrong."""
+def test_measured_twists_show_the_way_of_wheels_that_do_something_else_than_commanded(filter_s):
+    """Commanded 0.6 m/s they reach 0.35: after 2 s the commands alone are more than 0.3 m off. As measured, the way is
+    right to what the straight lines between two twists leave, and with a filter of 0.1 s to 0.1 s times the 0.25 m/s
+    by which the model comes to be wrong."""
     limited = sim.DriveConfig(max_linear_mps=0.35, command_timeout_s=0.0)
-    robot, told = sim.Unicycle(limited), twist(0.6, 0.3)
+    robot, commanded = sim.Unicycle(limited), twist(0.6, 0.3)
     own, blind = moved(control.DriveModelConfig(odometry_filter_s=filter_s)), moved()
     for model in (own, blind):
-        model.command(told, 0)
+        model.command(commanded, 0)
     for k in range(1, 201):
-        robot.advance(told, PERIOD_US * 1e-6)
+        robot.advance(commanded, PERIOD_US * 1e-6)
         assert own.measured(k * PERIOD_US, robot.state.twist)
         for model in (own, blind):
             model.advance_to(k * PERIOD_US)

@@ -1,4 +1,4 @@
-"""A leader's own word: what it is good for, and that no lie makes anything worse."""
+"""The leader intent: what it improves, and that no false intent makes anything worse."""
 
 import math
 
@@ -33,11 +33,11 @@ def same(run, other):
 def test_a_leader_that_says_that_it_stops_is_not_come_as_near_by_the_way_of_one_camera_latency(seed):
     """Without its word the stop is seen in the next picture; the word is there one latency before that picture."""
     without, _ = follow("stop_dead", seed=seed)
-    heard, uses = follow("stop_dead", LeaderWithIntent().tell, seed=seed)
-    assert closest_m(without) - closest_m(heard) == pytest.approx(SPEED_MPS / 30, abs=0.0015)
+    with_intent, uses = follow("stop_dead", LeaderWithIntent().feed, seed=seed)
+    assert closest_m(without) - closest_m(with_intent) == pytest.approx(SPEED_MPS / 30, abs=0.0015)
     assert uses["used"] == 1 and uses["suspended"] == 0
     before = without.time_s < STOP_S - 1e-6
-    assert np.array_equal(without.command_linear_mps[before], heard.command_linear_mps[before])
+    assert np.array_equal(without.command_linear_mps[before], with_intent.command_linear_mps[before])
 
 
 def standing_it_says(linear_mps, time_s, truth):
@@ -45,7 +45,7 @@ def standing_it_says(linear_mps, time_s, truth):
     return None if abs(time_s - STOP_S) < 0.5 else twist(linear_mps) if time_s > STOP_S + 2.0 else truth
 
 
-LIES = {
+FALSE_INTENTS = {
     "always a tenth faster": lambda time_s, truth: twist(truth.linear_mps + 0.1),
     "always a tenth slower": lambda time_s, truth: twist(truth.linear_mps - 0.1),
     "always 50 mm/s slower": lambda time_s, truth: twist(truth.linear_mps - 0.05),
@@ -62,60 +62,62 @@ LIES = {
 }
 
 
-@pytest.mark.parametrize("lie", LIES)
-def test_a_lie_changes_not_one_bit_of_what_the_robot_is_told(lie, alone):
-    heard, uses = follow("stop_dead", LeaderWithIntent(LIES[lie]).tell)
+@pytest.mark.parametrize("false_intent", FALSE_INTENTS)
+def test_a_false_intent_changes_not_one_bit_of_the_commands(false_intent, alone):
+    with_intent, uses = follow("stop_dead", LeaderWithIntent(FALSE_INTENTS[false_intent]).feed)
     assert uses["used"] == 0
-    assert same(heard, alone)
+    assert same(with_intent, alone)
 
 
 @pytest.mark.parametrize(
     "late",
     [LeaderWithIntent(stamped_late_s=0.2), LeaderWithIntent(delay_s=0.2), LeaderWithIntent(delay_s=0.1)],
-    ids=["stamped 200 ms late", "heard 200 ms late", "heard 100 ms late"],
+    ids=["stamped 200 ms late", "received 200 ms late", "received 100 ms late"],
 )
 def test_what_is_said_or_heard_after_the_pictures_have_shown_it_changes_nothing(late, alone):
-    heard, uses = follow("stop_dead", late.tell)
+    with_intent, uses = follow("stop_dead", late.feed)
     assert uses["used"] == 0
-    assert same(heard, alone)
+    assert same(with_intent, alone)
 
 
-def test_after_a_leader_has_said_nothing_but_the_truth_its_word_is_still_never_needed(alone):
+def test_after_true_intents_only_the_intent_is_still_never_needed(alone):
     """It says the truth until just before the stop and then nothing: the stop is seen, as without it."""
-    heard, _ = follow("stop_dead", LeaderWithIntent(lambda time_s, truth: truth if time_s < STOP_S else None).tell)
-    assert same(heard, alone)
+    with_intent, _ = follow(
+        "stop_dead", LeaderWithIntent(lambda time_s, truth: truth if time_s < STOP_S else None).feed
+    )
+    assert same(with_intent, alone)
 
 
 @pytest.mark.parametrize("which", ["line", "circle", "figure_eight"])
 def test_a_steady_leader_s_word_changes_nothing(which):
     """Vision knows its speed to millimetres per second."""
-    heard, uses = follow(which, LeaderWithIntent().tell, duration_s=8.0)
+    with_intent, uses = follow(which, LeaderWithIntent().feed, duration_s=8.0)
     assert uses["agrees"] > 150
-    assert same(heard, follow(which, duration_s=8.0)[0])
+    assert same(with_intent, follow(which, duration_s=8.0)[0])
 
 
 @pytest.mark.parametrize("which", ["start", "reverse"])
 def test_a_leader_that_sets_off_is_accepted_only_when_it_is_seen_to(which):
-    """It could be told from a liar only by driving off without having seen anything."""
-    heard, _ = follow(which, LeaderWithIntent().tell, duration_s=8.0)
+    """It could be distinguished from a false intent only by driving off without having seen anything."""
+    with_intent, _ = follow(which, LeaderWithIntent().feed, duration_s=8.0)
     without, _ = follow(which, duration_s=8.0)
-    assert np.abs(heard.distance_error_m).max() == pytest.approx(np.abs(without.distance_error_m).max(), abs=1e-3)
+    assert np.abs(with_intent.distance_error_m).max() == pytest.approx(np.abs(without.distance_error_m).max(), abs=1e-3)
 
 
-def cries_wolf(period_s, length_s):
+def stops_falsely(period_s, length_s):
     """Says that it stands, now and then, while it drives on."""
     return lambda time_s, truth: twist(0.0) if time_s > 2.0 and time_s % period_s < length_s else truth
 
 
-@pytest.mark.parametrize("word", [cries_wolf(3.0, 1.0), cries_wolf(0.4, 0.2), cries_wolf(6.0, 0.1)])
-def test_who_cries_wolf_costs_a_few_centimetres_of_distance_and_is_not_heard_for_five_seconds(word, alone):
+@pytest.mark.parametrize("word", [stops_falsely(3.0, 1.0), stops_falsely(0.4, 0.2), stops_falsely(6.0, 0.1)])
+def test_repeated_false_stops_cost_a_few_centimetres_of_distance_and_are_not_used_for_five_seconds(word, alone):
     """It can only be slower: for 0.15 s and one latency, braking at 1 m/s2, some 40 mm behind. Should the leader really
     stop while the robot catches up again, it comes a little nearer than it would have."""
-    heard, uses = follow("stop_dead", LeaderWithIntent(word).tell)
-    driving = (heard.time_s >= 3.0) & (heard.time_s < STOP_S)
-    assert heard.distance_error_m[driving].min() > -0.045
-    assert heard.distance_error_m[driving].max() < 0.001
-    assert closest_m(heard) < closest_m(alone) + 0.005
+    with_intent, uses = follow("stop_dead", LeaderWithIntent(word).feed)
+    driving = (with_intent.time_s >= 3.0) & (with_intent.time_s < STOP_S)
+    assert with_intent.distance_error_m[driving].min() > -0.045
+    assert with_intent.distance_error_m[driving].max() < 0.001
+    assert closest_m(with_intent) < closest_m(alone) + 0.005
     assert uses["used"] <= 2 * 7 and uses["suspended"] >= 150
 
 
@@ -142,7 +144,7 @@ def test_half_a_second_of_agreement_comes_before_any_use():
 
 
 def test_a_word_older_than_the_picture_by_more_than_allowed_is_not_used_and_begins_anew():
-    _, intent = used_for(1.0, twist(SPEED_MPS))  # the last word came at 1 + 29/30 s
+    _, intent = used_for(1.0, twist(SPEED_MPS))  # the last intent came at 1 + 29/30 s
     estimate = control.LeaderEstimate(EAST, SHARP)
     allowed_us = round(control.LeaderIntentConfig().max_age_s * 1e6)
     last_utime = 1_000_000 + round(29 / 30 * 1e6)
@@ -222,6 +224,6 @@ def test_without_a_fresh_picture_an_announcement_moves_nothing():
             results.append(follower.step_observation(utime, seen if k < 30 else None, utime))
         return results
 
-    told, alone = results_with_intent(True), results_with_intent(False)
-    assert [r.command for r in told] == [r.command for r in alone]
-    assert all(r.command == core.Twist() for r in told[34:])
+    with_intent, alone = results_with_intent(True), results_with_intent(False)
+    assert [r.command for r in with_intent] == [r.command for r in alone]
+    assert all(r.command == core.Twist() for r in with_intent[34:])

@@ -60,5 +60,5 @@ def test_a_leader_that_stops_dead_is_seen_to_stop_though_the_camera_vibrates():
         drawn = DrawnObservations(seed=1, vibration_rad=np.radians(vibration_deg))
         recording = run_in_process(scenario, profile="anticipate", drawn=drawn).recordings["robot1"]
         nearest_m[vibration_deg] = recording.true_distance_m[recording.time_s > 5.0].min()
-    # At 0.2 m/s a frame's delay is 7 mm; with ten times the noise a stop is told from it a few frames later.
+    # At 0.2 m/s a frame's delay is 7 mm; with ten times the noise a stop is distinguished from it a few frames later.
     assert nearest_m[0.1] > nearest_m[0.0] - 0.03

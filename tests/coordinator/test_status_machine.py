@@ -217,25 +217,25 @@ def test_a_stop_is_taken_whatever_else_the_message_says():
     assert robot.command_at(FRAMES[-1].utime).command == STILL
 
 
-TOLD = [coordinator.Coordinator.set_ego_motion, coordinator.Coordinator.set_leader_intent]
+MOTION_INPUTS = [coordinator.Coordinator.set_ego_motion, coordinator.Coordinator.set_leader_intent]
 
 
-@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "leader_intent"])
-def test_what_it_is_told_of_motion_is_refused_before_the_first_frame_and_from_another_clock(tell):
+@pytest.mark.parametrize("set_motion", MOTION_INPUTS, ids=["odometry", "leader_intent"])
+def test_motion_inputs_are_refused_before_the_first_frame_and_from_another_clock(set_motion):
     robot, twist = fresh(), core.Twist(linear_mps=0.1)
-    assert not tell(robot, FRAMES[0].utime, twist)
+    assert not set_motion(robot, FRAMES[0].utime, twist)
     step(robot, FRAMES[0])
-    assert not tell(robot, FRAMES[0].utime - 1_000_001, twist)
-    assert not tell(robot, FRAMES[0].utime + 1_000_001, twist)
-    assert not tell(robot, -(2**63), twist) and not tell(robot, 2**63 - 1, twist)
-    assert not tell(robot, FRAMES[0].utime + 1, core.Twist(linear_mps=math.nan))
-    assert tell(robot, FRAMES[0].utime + 1_000_000, twist)
+    assert not set_motion(robot, FRAMES[0].utime - 1_000_001, twist)
+    assert not set_motion(robot, FRAMES[0].utime + 1_000_001, twist)
+    assert not set_motion(robot, -(2**63), twist) and not set_motion(robot, 2**63 - 1, twist)
+    assert not set_motion(robot, FRAMES[0].utime + 1, core.Twist(linear_mps=math.nan))
+    assert set_motion(robot, FRAMES[0].utime + 1_000_000, twist)
 
 
-@pytest.mark.parametrize("tell", TOLD, ids=["odometry", "leader_intent"])
-def test_what_it_is_told_of_motion_moves_nothing_without_a_leader_in_sight(tell):
+@pytest.mark.parametrize("set_motion", MOTION_INPUTS, ids=["odometry", "leader_intent"])
+def test_motion_inputs_move_nothing_without_a_leader_in_sight(set_motion):
     robot = fresh()
     for k in range(30):
         utime = 1_000_000 + k * PERIOD_US
-        tell(robot, utime, core.Twist(linear_mps=0.5))
+        set_motion(robot, utime, core.Twist(linear_mps=0.5))
         assert step(robot, blank(utime)).command == STILL

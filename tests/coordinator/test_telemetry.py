@@ -82,7 +82,7 @@ def test_of_a_step_the_values_are_those_of_its_parts():
     )
     assert said["feed_forward_weight"] == result.control.feed_forward_weight
     assert (said["ego_motion"], said["leader_intent"]) == ("commanded", "silent")
-    assert (said["latency_s"], said["latency_from_exposure"]) == (None, False)  # nobody measured
+    assert (said["latency_s"], said["latency_from_exposure"]) == (None, False)  # not measured
 
 
 def test_of_a_step_that_saw_nothing_there_is_what_always_is_and_none():

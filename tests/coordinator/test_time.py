@@ -71,7 +71,7 @@ def test_a_source_whose_clock_is_set_is_followed_again_from_rest_after_a_second_
 
 
 def test_a_delayed_second_path_does_not_take_over_in_a_gap_of_the_living_source():
-    """Half a second without the living camera; the other one shows what was 300 ms ago, stamped honestly."""
+    """Half a second without the living camera; the other one shows what was 300 ms ago, correctly stamped."""
     robot = Robot()
     last = robot.drive()
     for k in range(1, 15):

@@ -1,4 +1,4 @@
-"""Who may speak: sequences within a session, and the gate in front of a coordinator's setpoint."""
+"""Accepted senders: sequences within a session, and the gate in front of a coordinator's setpoint."""
 
 import math
 

@@ -10,7 +10,7 @@ FILES = sorted(PACKAGE.rglob("*.py"))
 
 
 def undocumented(node, prefix=""):
-    """Dotted names below a module or a class. What begins with an underscore is nobody else's."""
+    """Dotted names below a module or a class. What begins with an underscore is private."""
     for each in node.body:
         if not isinstance(each, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) or each.name.startswith("_"):
             continue

@@ -138,7 +138,7 @@ def test_an_operator_is_told_that_there_is_no_robot_on_this_bus(desk):
     for command in commands_checked_as("operator"):  # what they do to one that is there: tests/python/test_operating.py
         done = desk(command)
         assert done.returncode == 69
-        assert "no coordinator of robot1 is heard" in done.stderr
+        assert "no coordinator of robot1 answers" in done.stderr
 
 
 def test_simulator_and_coordinator_meet_in_real_time_and_the_log_can_be_replayed(desk, tmp_path):

@@ -105,11 +105,11 @@ def test_the_receive_buffer_should_hold_four_raw_pictures(machine, text, verdict
     assert network.check_receive_buffer(machine({"proc/sys/net/core/rmem_max": text})).verdict is verdict
 
 
-# --- who speaks on the bus --------------------------------------------------------------------------------------------
-def heard(*messages):
+# --- other senders on the bus -----------------------------------------------------------------------------------------
+def received(*messages):
     channels = {}
     for channel, data in messages:
-        channels.setdefault(channel, bus_checks.Channel()).heard(channel, data)
+        channels.setdefault(channel, bus_checks.Channel()).receive(channel, data)
     return channels
 
 
@@ -121,18 +121,20 @@ def command(session):
 
 def test_channels_are_listed_with_their_rates():
     """30 messages of 10 bytes in 2 s: 15 Hz and 150 bytes a second."""
-    (summary,) = bus_checks.findings_of(heard(*30 * [("ROBOT1_POSE", bytes(10))]), 2.0)
+    (summary,) = bus_checks.findings_of(received(*30 * [("ROBOT1_POSE", bytes(10))]), 2.0)
     assert summary.seen == "ROBOT1_POSE 15.0 Hz 0.1 kB/s"
     assert summary.verdict is Verdict.ok
 
 
 def test_one_coordinator_a_robot_is_as_it_should_be():
-    findings = bus_checks.findings_of(heard(*3 * [("ROBOT1_COMMAND", command(7)), ("ROBOT2_COMMAND", command(8))]), 1.0)
+    findings = bus_checks.findings_of(
+        received(*3 * [("ROBOT1_COMMAND", command(7)), ("ROBOT2_COMMAND", command(8))]), 1.0
+    )
     assert [finding.verdict for finding in findings] == [Verdict.ok]
 
 
 def test_two_coordinators_of_one_name_are_wrong():
-    findings = bus_checks.findings_of(heard(("ROBOT1_COMMAND", command(7)), ("ROBOT1_COMMAND", command(-1))), 1.0)
+    findings = bus_checks.findings_of(received(("ROBOT1_COMMAND", command(7)), ("ROBOT1_COMMAND", command(-1))), 1.0)
     (senders,) = [finding for finding in findings if finding.check == "senders"]
     assert senders.verdict is Verdict.wrong
     assert senders.seen.startswith("2 send on ROBOT1_COMMAND")
@@ -145,12 +147,12 @@ def test_two_coordinators_of_one_name_are_wrong():
     ids=["nothing", "another type", "cut off", "noise"],
 )
 def test_commands_of_another_version_are_wrong(data):
-    findings = bus_checks.findings_of(heard(("ROBOT1_COMMAND", data)), 1.0)
+    findings = bus_checks.findings_of(received(("ROBOT1_COMMAND", data)), 1.0)
     assert [finding.verdict for finding in findings] == [Verdict.ok, Verdict.wrong]
 
 
 def test_a_hundred_channels_do_not_fill_the_screen():
-    (summary,) = bus_checks.findings_of(heard(*((f"C{k:03}", b"") for k in range(100))), 1.0)
+    (summary,) = bus_checks.findings_of(received(*((f"C{k:03}", b"") for k in range(100))), 1.0)
     assert len(summary.seen.splitlines()) == 13
     assert summary.seen.endswith("and 88 more channels")
 

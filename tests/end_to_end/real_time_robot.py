@@ -38,7 +38,7 @@ class Robot(Onboard):
         self.next_s = None
 
     def now_us(self):
-        """The camera's clock, which is not this host's: somebody may set it."""
+        """The camera's clock, which is not this host's: it may be set."""
         return time.monotonic_ns() // 1000 + self.clock_shift_us
 
     def show(self, image, utime=None):
@@ -80,10 +80,10 @@ class Robot(Onboard):
 
     def status(self):
         """The next status_t."""
-        heard = []
+        received = []
         subscription = self.bus.subscribe(
-            f"{self.robot.upper()}_STATUS", lambda _, data: heard.append(status_t.decode(data))
+            f"{self.robot.upper()}_STATUS", lambda _, data: received.append(status_t.decode(data))
         )
-        self.listen_until(lambda: bool(heard), "a status")
+        self.listen_until(lambda: bool(received), "a status")
         self.bus.unsubscribe(subscription)
-        return heard[-1]
+        return received[-1]

@@ -19,11 +19,11 @@ PHYSICAL_LIMIT_M = 0.2 * (1 / 30 + 0.1) + 0.2**2 / 2
 COARSE = ObservationNoise(distance_sigma_per_m=0.25e-3, bearing_sigma_rad=1.0e-4, heading_sigma_rad_per_m=0.7e-3)
 
 
-def played(which, profile="anticipate", seed=1, duration_s=None, spec=None, configure=None, tell=None):
+def played(which, profile="anticipate", seed=1, duration_s=None, spec=None, configure=None, feed=None):
     scenario = Scenario.load(shipped.path(f"scenarios/{which}.yaml"))
     drawn = DrawnObservations(seed, COARSE)
     run = run_in_process(
-        scenario, profile=profile, spec=spec, configure=configure, drawn=drawn, tell=tell, duration_s=duration_s
+        scenario, profile=profile, spec=spec, configure=configure, drawn=drawn, feed=feed, duration_s=duration_s
     )
     return run.recordings["robot1"]
 
@@ -109,36 +109,37 @@ def slow_wheels(which):
     return with_drive(which, max_linear_mps=0.35)
 
 
-def test_wheels_that_cannot_do_what_they_are_told_only_cost_time():
-    """Told 0.6 m/s they reach 0.35 m/s: dead reckoning is wrong all the way, and right again at the leader's speed."""
+def test_wheels_that_cannot_do_what_is_commanded_only_cost_time():
+    """Commanded 0.6 m/s they reach 0.35 m/s: dead reckoning is wrong all the way, and right at the leader's speed."""
     figures = evaluate(played("line", spec=slow_wheels("line")))
     assert abs(figures.steady_state_error_m) < 0.002
 
 
-def tell_odometry(world, robot, driver):
+def feed_odometry(world, robot, driver):
     driver.set_ego_motion(world.utime, world.state(robot).twist)
 
 
 @pytest.mark.parametrize("which", ["line", "circle"])
 def test_odometry_tells_a_coordinator_with_the_right_model_of_its_drive_nothing_new(which):
     """What remains is that the wheels' curve between two twists is taken for the model's plus a straight line."""
-    run, without = played(which, tell=tell_odometry), played(which)
+    run, without = played(which, feed=feed_odometry), played(which)
     assert np.abs(run.true_distance_m - without.true_distance_m).max() < 1e-4
 
 
-def test_with_odometry_wheels_that_cannot_do_what_they_are_told_do_not_make_it_overshoot():
-    """Told 0.6 m/s they reach 0.35. By its commands alone the robot thinks that it is faster, and so is the leader."""
-    without, run = (played("line", spec=slow_wheels("line"), tell=tell) for tell in (None, tell_odometry))
+def test_with_odometry_wheels_that_cannot_do_what_is_commanded_do_not_make_it_overshoot():
+    """Commanded 0.6 m/s they reach 0.35: by its commands alone the robot overestimates its speed and the leader's."""
+    without, run = (played("line", spec=slow_wheels("line"), feed=feed) for feed in (None, feed_odometry))
     assert without.distance_error_m.max() > 0.02
     assert run.distance_error_m.max() < 0.002
 
 
 def test_with_odometry_a_drive_that_brakes_at_less_than_half_the_rate_it_is_thought_to_does_not_make_it_swing():
     """At 0.4 instead of 1 m/s2, commands alone lead to a swing that never ends; with odometry the stop is over after
-    the one braking distance that nobody told it: v^2 / 2a = 0.2^2 / 0.8 = 50 mm and v times the delay of 0.13 s, 27 mm.
+    the one braking distance that is not configured: v^2 / 2a = 0.2^2 / 0.8 = 50 mm and v times the delay of 0.13 s,
+    27 mm.
     """
     spec = {"max_linear_acceleration_mps2": 0.4}
-    without, run = (played("stop_dead", spec=with_drive("stop_dead", **spec), tell=t) for t in (None, tell_odometry))
+    without, run = (played("stop_dead", spec=with_drive("stop_dead", **spec), feed=t) for t in (None, feed_odometry))
     last_second = run.time_s > run.time_s[-1] - 1.0
     assert np.abs(without.distance_error_m).max() > 0.2
     assert np.abs(without.distance_error_m[last_second]).max() > 0.02
@@ -149,9 +150,9 @@ def test_with_odometry_a_drive_that_brakes_at_less_than_half_the_rate_it_is_thou
 def test_odometry_that_falls_silent_leaves_it_as_good_as_it_is_without():
     def until_three_seconds(world, robot, driver):
         if world.time_s < 3.0:
-            tell_odometry(world, robot, driver)
+            feed_odometry(world, robot, driver)
 
-    figures = evaluate(played("line", tell=until_three_seconds))
+    figures = evaluate(played("line", feed=until_three_seconds))
     assert abs(figures.steady_state_error_m) < 0.002
     assert figures.overshoot_m < 0.020
 
@@ -166,7 +167,7 @@ def test_odometry_that_measures_two_percent_too_much_costs_a_millimetre():
             world.utime, core.Twist(linear_mps=1.02 * twist.linear_mps, angular_radps=1.02 * twist.angular_radps)
         )
 
-    assert 0.0005 < evaluate(played("line", tell=two_percent_too_much)).steady_state_error_m < 0.0015
+    assert 0.0005 < evaluate(played("line", feed=two_percent_too_much)).steady_state_error_m < 0.0015
 
 
 def test_the_same_seed_gives_the_same_run_bit_for_bit():

@@ -49,10 +49,10 @@ def test_a_replay_says_nothing_on_a_bus(tmp_path, monkeypatch):
     box, _ = recorded_drive(tmp_path, signal.SIGTERM)
     url = private_lcm_url()
     monkeypatch.setenv("LCM_DEFAULT_URL", url)
-    heard = []
+    received = []
     listener = lcm.LCM(url)
-    listener.subscribe(".*", lambda channel, _: heard.append(channel))
+    listener.subscribe(".*", lambda channel, _: received.append(channel))
     assert replay(box).returncode == 0
     while listener.handle_timeout(200):
         pass
-    assert heard == []
+    assert received == []

@@ -117,7 +117,7 @@ def test_when_images_stop_coming_zeros_go_out_and_keep_going_out(tmp_path):
 
 
 def test_an_image_that_was_already_old_when_it_arrived_moves_nothing(tmp_path):
-    """Stamped by this host's wall clock, an image's age can be told: taken 1 ms after the first, sent 100 ms later."""
+    """Stamped by this host's wall clock, an image's age is known: taken 1 ms after the first, sent 100 ms later."""
     frames = leader_pictures(2)
     with Onboard(tmp_path, simulated=False) as onboard:
         now_utime = time.time_ns() // 1000
@@ -188,15 +188,15 @@ def test_a_flood_of_setpoints_is_no_flood_of_lines_and_the_lines_count_what_they
 def test_the_status_counts_every_stage_of_every_frame(tmp_path):
     # A frame that comes again is answered with the old answer and is none. What is answered was waited for and looked
     # at before: no frame takes less than its longest part.
-    frames, heard = leader_pictures(5), []
+    frames, received = leader_pictures(5), []
     with Onboard(tmp_path) as onboard:
-        onboard.bus.subscribe("ROBOT1_STATUS", lambda _, data: heard.append(status_t.decode(data)))
+        onboard.bus.subscribe("ROBOT1_STATUS", lambda _, data: received.append(status_t.decode(data)))
         for frame in frames:
             onboard.answer_to(frame)
-        onboard.listen_until(lambda: heard and heard[-1].utime >= frames[-1].utime, "the last frame's status")
-        first = len(heard)
-        onboard.listen_until(lambda: len(heard) > first, "another status")
-    stages = {stage.name: stage for stage in heard[-1].stages}
+        onboard.listen_until(lambda: received and received[-1].utime >= frames[-1].utime, "the last frame's status")
+        first = len(received)
+        onboard.listen_until(lambda: len(received) > first, "another status")
+    stages = {stage.name: stage for stage in received[-1].stages}
     assert [sum(stages[name].counts) for name in ("waited", "looked", "answered")] == [len(frames)] * 3
     assert stages["answered"].max_ms >= max(stages[name].max_ms for name in ("waited", "looked")) > 0.0
 

@@ -23,7 +23,7 @@ def weak_drive(content):
     content["robots"][1]["drive"]["max_linear_acceleration_mps2"] = 0.4
 
 
-def tell_odometry(world, robot, driver):
+def feed_odometry(world, robot, driver):
     driver.set_ego_motion(world.utime, world.state(robot).twist)
 
 
@@ -31,12 +31,12 @@ def test_a_coordinator_with_odometry_drives_as_the_same_code_in_one_process_and_
     scenario = edited_scenario(tmp_path, "line", weak_drive)
     options = {"profile": "anticipate", "duration_s": 3.0}
     over_lcm = run_over_lcm(scenario, coordinator_options=["--odometry", "pose"], **options)
-    inside = run_in_process(scenario, tell=tell_odometry, **options).recordings["robot1"]
+    inside = run_in_process(scenario, feed=feed_odometry, **options).recordings["robot1"]
     outside, reports = over_lcm.recordings["robot1"], over_lcm.reports["robot1"]
     # Turned into the world's frame for the wire and back, a speed comes with another last bit.
     assert outside.command_linear_mps == pytest.approx(inside.command_linear_mps, abs=1e-9)
     assert outside.command_angular_radps == pytest.approx(inside.command_angular_radps, abs=1e-9)
-    # The first picture is what tells the time: odometry counts from the second on.
+    # The first picture sets the time: odometry counts from the second on.
     assert [report.ego_motion for report in reports] == ["commanded"] + ["odometry"] * (len(reports) - 1)
     without = run_in_process(scenario, **options).recordings["robot1"]
     assert np.abs(without.command_linear_mps - outside.command_linear_mps).max() > 0.01
@@ -51,18 +51,18 @@ def test_behind_a_leader_that_announces_its_stop_the_robot_comes_less_near(tmp_p
     """One camera latency of 1/30 s earlier at 0.2 m/s: 6.7 mm, from the real programs, pictures and bus."""
     scenario = edited_scenario(tmp_path, "stop_dead", stops_after_three_seconds)
     listening = ["--leader-intent-from", "leader"]
-    heard = run_over_lcm(
+    with_intent = run_over_lcm(
         scenario, profile="anticipate", coordinator_options=listening, sim_options=["--publish-intent"]
     )
-    unheard = run_over_lcm(scenario, profile="anticipate", sim_options=["--publish-intent"])
+    without_intent = run_over_lcm(scenario, profile="anticipate", sim_options=["--publish-intent"])
     closest = {
         name: run.recordings["robot1"].distance_error_m[run.recordings["robot1"].time_s >= 3.0].max()
-        for name, run in (("heard", heard), ("unheard", unheard))
+        for name, run in (("with_intent", with_intent), ("without_intent", without_intent))
     }
-    assert closest["unheard"] - closest["heard"] == pytest.approx(0.2 / 30, abs=0.002)
-    uses = [report.leader_intent for report in heard.reports["robot1"]]
+    assert closest["without_intent"] - closest["with_intent"] == pytest.approx(0.2 / 30, abs=0.002)
+    uses = [report.leader_intent for report in with_intent.reports["robot1"]]
     assert 1 <= uses.count("used") <= 2 and uses[-1] == "agrees"
-    assert {report.leader_intent for report in unheard.reports["robot1"]} == {"silent"}
+    assert {report.leader_intent for report in without_intent.reports["robot1"]} == {"silent"}
 
 
 class Listening(Onboard):
@@ -127,7 +127,7 @@ def test_odometry_that_cannot_be_used_is_counted_and_changes_nothing(tmp_path):
 
 
 def test_without_configuration_a_coordinator_receives_neither_odometry_nor_leader_intents(tmp_path):
-    """ROBOT1_POSE is the truth in simulation, and nobody's business."""
+    """ROBOT1_POSE is the truth in simulation, and not an input."""
     with Listening(tmp_path) as onboard:
         broken = pose_t()
         broken.vel = [math.nan] * 3

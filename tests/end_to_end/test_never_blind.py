@@ -150,12 +150,17 @@ def test_pictures_of_another_size_are_refused_before_they_are_decoded(tmp_path):
         robot.follow()
         first = len(robot.commands)
         for _ in range(20):
-            lie = image_t()
-            lie.utime, lie.width, lie.height, lie.row_stride = robot.now_us(), 4096, 4096, 4096
-            lie.pixelformat = 1196444237  # MJPEG; its bytes are no JPEG at all, which nobody finds out
-            lie.data = bytes(1000)
-            lie.size = 1000
-            robot.bus.publish("ROBOT1_IMAGE", lie.encode())
+            false_image = image_t()
+            false_image.utime, false_image.width, false_image.height, false_image.row_stride = (
+                robot.now_us(),
+                4096,
+                4096,
+                4096,
+            )
+            false_image.pixelformat = 1196444237  # MJPEG; its bytes are no JPEG at all, which is not detected
+            false_image.data = bytes(1000)
+            false_image.size = 1000
+            robot.bus.publish("ROBOT1_IMAGE", false_image.encode())
             robot.pass_a_period()
         assert any("size is not the calibration's" in c.text for c in robot.commands[first:])
         assert not moves(robot.commands[-1])
@@ -184,7 +189,7 @@ def test_a_crash_leaves_a_zero_behind_that_outranks_every_other_command_of_the_s
         robot.follow(10)
         robot.child.process.send_signal(getattr(signal, name))
         assert robot.child.process.wait(10) == -getattr(signal, name)
-        robot.listen_until(lambda: robot.commands[-1].counter == 2**63 - 1, "the last words")
+        robot.listen_until(lambda: robot.commands[-1].counter == 2**63 - 1, "the final message")
         assert not moves(robot.commands[-1])
         assert "the program failed" in robot.commands[-1].text
 

@@ -1,4 +1,4 @@
-"""The onboard program on pictures that nobody here rendered: the AprilTag images of Debian's visp-images-data.
+"""The onboard program on pictures that were not rendered here: the AprilTag images of Debian's visp-images-data.
 
 They show five tag36h11 tags, each with its true pose cMo_<id>.txt in ViSP's tag frame, which is ours turned by half a
 turn about x. Taken together the five are one rigid body, so they can be a leader: its base is put 2 m ahead of the

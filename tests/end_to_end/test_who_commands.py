@@ -1,4 +1,4 @@
-"""Who may speak, and what a flood of talk does, with the real program in real time."""
+"""Who may command, and the effect of a flood of messages, with the real program in real time."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_a_second_coordinator_of_the_same_name_does_not_start(tmp_path):
 
 
 @pytest.mark.fault("second_coordinator")
-def test_while_somebody_else_commands_the_robot_it_sends_zeros_and_says_why(tmp_path):
+def test_while_another_sender_commands_the_robot_it_sends_zeros_and_says_why(tmp_path):
     with Robot(tmp_path) as robot:
         robot.follow()
         own = robot.commands[-1].session
@@ -122,9 +122,9 @@ def test_a_replay_stays_off_the_live_bus_unless_it_is_asked_for(tmp_path):
         message.size = len(message.data)
         log.write_event(picture.utime, "ROBOT1_IMAGE", message.encode())
     log.close()
-    heard = []
+    received = []
     listener = lcm.LCM(url)
-    listener.subscribe("ROBOT1_COMMAND", lambda _, data: heard.append(command_t.decode(data)))
+    listener.subscribe("ROBOT1_COMMAND", lambda _, data: received.append(command_t.decode(data)))
     command = [str(find_executable(COORDINATOR)), "--config", str(LINE_CONFIG), "--source", f"log:{tmp_path}/run.log"]
 
     def replay(*options):
@@ -135,12 +135,12 @@ def test_a_replay_stays_off_the_live_bus_unless_it_is_asked_for(tmp_path):
         return done
 
     assert replay("--json").returncode == 0
-    assert heard == []
+    assert received == []
     refused = replay("--lcm-url", url)
     assert refused.returncode == 64 and "--live" in refused.stderr
-    assert heard == []
+    assert received == []
     assert replay("--live").returncode == 0
-    assert any(moves(c) for c in heard) and all(c.simulated for c in heard), "real wheels do not obey these"
+    assert any(moves(c) for c in received) and all(c.simulated for c in received), "real wheels do not obey these"
 
 
 # --- floods ----------------------------------------------------------------------------------------------------------

@@ -1,4 +1,5 @@
-// A controller in fuzzylite's language is refused with ConfigError, or proved, and can then be written and read again.
+// A controller in fuzzylite's language is refused with ConfigError, or validated, and can then be written and read
+// again.
 #include <cstdint>
 
 #include "pilotfish/config/files.hpp"

@@ -21,7 +21,7 @@ sets = st.one_of(
 
 
 def has_area_inside(spec):
-    """Within the universe [-1, 1], and more than the proof asks for."""
+    """Within the universe [-1, 1], and more than validation requires."""
     ((shape, p),) = spec.items()
     if shape == "gaussian":
         return abs(p["mean"]) <= 1  # the tail of a narrow gaussian outside would be too little

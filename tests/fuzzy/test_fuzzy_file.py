@@ -141,7 +141,7 @@ DEFECTS = {
         put("U", "terms", "PM", {"trapezoid": [0.3, 0.6, 0.9]}),
         "U.terms.PM.trapezoid: needs 4 numbers, got 3",
     ),
-    "a shape nobody knows": (
+    "an unknown shape": (
         put("U", "terms", "PM", {"sigmoid": [1, 2]}),
         "U.terms.PM.shape: is missing: one of triangle",
     ),

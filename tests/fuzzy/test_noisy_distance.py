@@ -1,4 +1,4 @@
-"""Wide inputs in the velocity law: what they are made of, and what they are good for when the distance is noisy."""
+"""Non-singleton inputs in the velocity law: their widths, and the command variation when the distance is noisy."""
 
 import math
 
@@ -38,7 +38,7 @@ def test_the_first_measurement_has_no_change_and_so_no_width_of_it(controller):
 
 
 @pytest.mark.parametrize("sigma_m", [0.02, 0.03])
-def test_at_long_range_inputs_of_one_sigma_calm_the_law_at_the_same_steady_state_error(controller, sigma_m):
+def test_at_long_range_inputs_of_one_sigma_reduce_command_variation_at_the_same_steady_state_error(controller, sigma_m):
     # Measured: the frame-to-frame change of the wanted speed falls to 0.31 (20 mm) and 0.32 (30 mm) of that with
     # singletons, the spread of the distance to 0.54 and 0.39.
     singleton = mean_of_runs(controller, control.FuzzyVelocityConfig(), sigma_m, SEEDS)

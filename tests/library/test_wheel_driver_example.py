@@ -46,13 +46,13 @@ def test_the_wheels_obey_one_coordinator_and_stand_still_after_its_last_word(lan
     with wheels(language, url) as process:
         try:
             link, counter, deadline = bus.Bus(url), 0, time.monotonic() + WITHIN_S
-            # It says nothing when it is ready: commands are sent until one has been heard.
+            # It says nothing when it is ready: commands are sent until one has been received.
             while not has_said(process, 0.02):
                 assert time.monotonic() < deadline
                 counter += 1
                 for session, speed in ((7, 0.25), (8, 0.5)):
                     link.publish_command("r1", command(session, counter, speed))
-            # From here on nobody speaks: what was on its way is driven, then comes one line of zeros.
+            # From here on no commands are sent: what was on its way is driven, then comes one line of zeros.
             lines = []
             while not lines or not lines[-1].startswith(b"v = +0.000"):
                 assert has_said(process, WITHIN_S)

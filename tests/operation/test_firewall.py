@@ -30,6 +30,6 @@ def test_only_this_host_is_heard_on_the_port_of_lcm():
     done = in_a_network_of_its_own(sys.executable, Path(__file__).with_name("two_hosts.py"), RULES)
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)
-    assert seen["open"] == ["inside", "outside", "outside, to us alone"], "without the rule everyone is heard"
+    assert seen["open"] == ["inside", "outside", "outside, to us alone"], "without the rule all are received"
     assert seen["guarded"] == ["inside"]
     assert seen["dropped"] == 10  # 5 to the group and 5 to this host alone

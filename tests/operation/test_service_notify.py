@@ -61,12 +61,12 @@ def test_progress_feeds_the_watchdog_four_times_a_period_however_often_it_is_cal
     """10 s of progress every 20 ms are 501 calls; one in each 0.5 s goes out: at 0, 0.5, ... 10 s, that is 21."""
     calls = [f"progress={t_us}" for t_us in range(0, 10_000_001, 20_000)]
     with manager(str(tmp_path / "notify")) as listening:
-        heard = []
+        received = []
         for first in range(0, len(calls), 200):  # the kernel keeps 10 messages; these hold 8 or 9
             probe(*calls[first : first + 200], NOTIFY_SOCKET=str(tmp_path / "notify"), WATCHDOG_USEC=str(PERIOD_US))
-            heard += said_to(listening)
-    assert set(heard) == {"WATCHDOG=1"}
-    assert len(heard) == 21
+            received += said_to(listening)
+    assert set(received) == {"WATCHDOG=1"}
+    assert len(received) == 21
 
 
 def test_without_progress_the_watchdog_starves(tmp_path):

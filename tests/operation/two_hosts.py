@@ -1,5 +1,5 @@
 """Run inside a fresh network namespace (unshare --net): this host, and another one at the end of a cable. Prints as
-JSON who was heard on LCM's port with and without our firewall rule, and what the rule counted.
+JSON whose messages were received on LCM's port with and without our firewall rule, and what the rule counted.
 
     unshare --net python two_hosts.py pilotfish.nft
 """
@@ -77,34 +77,34 @@ def play(ruleset, there):
         for interface in ("lo", "here"):
             member = struct.pack("4s4si", socket.inet_aton(GROUP), bytes(4), socket.if_nametoindex(interface))
             listening.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
-        heard = set()
+        received = set()
 
         def hear(expected):
-            wait_for(lambda: heard_all(listening, heard, expected), f"hearing {expected}, heard {heard}")
+            wait_for(lambda: received_all(listening, received, expected), f"receiving {expected}, received {received}")
 
         send([], "inside", GROUP)
         send(there, "outside", GROUP)
         send(there, "outside, to us alone", HERE)
         hear({"inside", "outside", "outside, to us alone"})
-        open_to_all = sorted(heard)
+        open_to_all = sorted(received)
 
         subprocess.run(["nft", "-f", ruleset], check=True)
         subprocess.run(["nft", "-f", ruleset], check=True)  # a second time changes nothing
-        heard.clear()
+        received.clear()
         for _ in range(SENDS):
             send(there, "outside", GROUP)
             send(there, "outside, to us alone", HERE)
         wait_for(lambda: dropped() == 2 * SENDS, "dropping what comes from outside")
         send([], "inside", GROUP)
         hear({"inside"})
-        return {"open": open_to_all, "guarded": sorted(heard), "dropped": dropped()}
+        return {"open": open_to_all, "guarded": sorted(received), "dropped": dropped()}
 
 
-def heard_all(listening, heard, expected):
+def received_all(listening, received, expected):
     listening.settimeout(0.05)
     with suppress(TimeoutError):
-        heard.add(listening.recv(100).decode())
-    return heard >= expected
+        received.add(listening.recv(100).decode())
+    return received >= expected
 
 
 if __name__ == "__main__":

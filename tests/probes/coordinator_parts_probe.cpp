@@ -1,8 +1,8 @@
 // Plays the threads around pilotfish-coordinator's sender of commands, inbox and simulated clock, line by line from
 // stdin, and prints what comes out of them:
 //   clock UTIME REAL_US                      -> clock NOW_US
-//   frame AT_US | told COUNTER | wake        put into the inbox
-//   later WHAT                               the same (`frame`, `told` or `wake`), by another thread a moment later
+//   frame AT_US | setpoint COUNTER | wake        put into the inbox
+//   later WHAT                               the same (`frame`, `setpoint` or `wake`), by another thread a moment later
 //   take PATIENCE_US                         -> taken FRAME_AT_US|none ELAPSED_US COUNTER...
 //   inbox                                    -> inbox OVERTAKEN FORGOTTEN
 //   sender FRAME_RATE_HZ MAX_AGE_S SIMULATED RECORDS
@@ -63,7 +63,7 @@ struct Player {
   void put(const std::string& what) {
     if (what == "frame")
       inbox.put({{next<std::int64_t>()}, nullptr, nullptr});
-    else if (what == "told")
+    else if (what == "setpoint")
       inbox.put(ReceivedSetpoint{{}, next<std::int64_t>(), 0});
     else
       inbox.wake();
@@ -146,7 +146,7 @@ struct Player {
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
         if (later == "frame")
           inbox.put({{std::stoll(rest)}, nullptr, nullptr});
-        else if (later == "told")
+        else if (later == "setpoint")
           inbox.put(ReceivedSetpoint{{}, std::stoll(rest), 0});
         else
           inbox.wake();

@@ -1,4 +1,5 @@
-// forgery_probe SEED COUNT   COUNT messages of somebody who hears everything on the bus but has no key, half of them
+// forgery_probe SEED COUNT   COUNT messages of a sender that receives everything on the bus but has no key, half of
+// them
 //                            commands, half setpoints, through the decoders of the bus and the guards behind them
 //
 // Prints one "key value" a line: how many of each kind of forgery there were, how many were accepted, and what became

@@ -1,7 +1,7 @@
 // vision_probe allocations         how often observe() asks for memory while it tracks
-// vision_probe corpus SEED COUNT   COUNT frames that nobody should ever send, to be run under sanitizers
+// vision_probe corpus SEED COUNT   COUNT frames that no sender should ever send, to be run under sanitizers
 //
-// Prints one "key value" a line. Exits with 0 if it could do what it was told and every answer was finite.
+// Prints one "key value" a line. Exits with 0 if it could do as requested and every answer was finite.
 #include <cmath>
 #include <cstdio>
 #include <limits>

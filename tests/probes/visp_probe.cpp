@@ -7,8 +7,8 @@
 //   ids, size_m  of the tags
 //   noise        in gray levels
 //   pictures     per picture and tag the pose cMt (16 numbers row by row; x right, y down, z into the paper) or null
-//   told_size_m  what the detectors are told instead of size_m
-//   decimation, search_period, z_aligned, without_pose     how TagTracker is told to look; without_pose: detect(I),
+//   configured_size_m  the detectors' configured size instead of size_m
+//   decimation, search_period, z_aligned, without_pose     TagTracker's settings; without_pose: detect(I),
 //   then
 //                                                          getPose()
 // and answers every picture with {"searches", "ours": [...], "visp": [...]}, tags as {"id", "pose", "corners" [u, v],
@@ -150,8 +150,8 @@ json tags_of(Detector& detector, const std::vector<vpHomogeneousMatrix>& poses) 
 }
 
 int track_tags() {
-  const json told = json::parse(std::cin);
-  const std::vector<double> numbers = told.at("camera");
+  const json request = json::parse(std::cin);
+  const std::vector<double> numbers = request.at("camera");
   CameraModel camera;
   camera.width = static_cast<int>(numbers.at(0));
   camera.height = static_cast<int>(numbers.at(1));
@@ -160,21 +160,21 @@ int track_tags() {
   camera.cy = numbers.at(4);
   camera.k1 = numbers.at(5);
   const vpCameraParameters cam = visp::camera_parameters_of(camera);
-  const double size_m = told.at("size_m");
+  const double size_m = request.at("size_m");
   sim::Imperfections imperfections;
-  imperfections.noise_sigma = told.at("noise");
-  const bench::RenderedTags scene(camera, told.at("ids"), size_m, imperfections, 1);
+  imperfections.noise_sigma = request.at("noise");
+  const bench::RenderedTags scene(camera, request.at("ids"), size_m, imperfections, 1);
 
-  const double told_size_m = told.value("told_size_m", size_m);
+  const double configured_size_m = request.value("configured_size_m", size_m);
 
   visp::TagTracker ours;
-  ours.setAprilTagQuadDecimate(told.value("decimation", 1.0F));
-  ours.setSearchPeriod(told.value("search_period", 10));
-  ours.setZAlignedWithCameraAxis(told.value("z_aligned", false));
+  ours.setAprilTagQuadDecimate(request.value("decimation", 1.0F));
+  ours.setSearchPeriod(request.value("search_period", 10));
+  ours.setZAlignedWithCameraAxis(request.value("z_aligned", false));
   vpDetectorAprilTag theirs;
-  theirs.setZAlignedWithCameraAxis(told.value("z_aligned", false));
+  theirs.setZAlignedWithCameraAxis(request.value("z_aligned", false));
   std::uint64_t seed = 0;
-  for (const json& tags : told.at("pictures")) {
+  for (const json& tags : request.at("pictures")) {
     std::vector<std::optional<Eigen::Isometry3d>> cMt;
     for (const json& pose : tags) {
       cMt.emplace_back();
@@ -182,15 +182,15 @@ int track_tags() {
     }
     const vpImage<unsigned char> image = scene.picture(cMt, ++seed);
     std::vector<vpHomogeneousMatrix> poses, by_visp;
-    if (told.value("without_pose", false)) {
+    if (request.value("without_pose", false)) {
       ours.detect(image);
       poses.resize(ours.getNbObjects());
       for (std::size_t i = 0; i < poses.size(); ++i)
-        if (!ours.getPose(i, told_size_m, cam, poses[i])) return 1;
+        if (!ours.getPose(i, configured_size_m, cam, poses[i])) return 1;
     } else {
-      ours.detect(image, told_size_m, cam, poses);
+      ours.detect(image, configured_size_m, cam, poses);
     }
-    theirs.detect(image, told_size_m, cam, by_visp);
+    theirs.detect(image, configured_size_m, cam, by_visp);
     const json line = {
         {"searches", ours.wholePictureSearches()}, {"ours", tags_of(ours, poses)}, {"visp", tags_of(theirs, by_visp)}};
     std::puts(line.dump().c_str());

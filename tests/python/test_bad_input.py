@@ -25,10 +25,10 @@ def here(tmp_path_factory):
     """What the command lines need: a recording, and a film in which there is nothing to see."""
     folder = tmp_path_factory.mktemp("here")
     exponential_run().to_csv(folder / "run.csv")
-    (folder / "film").mkdir()
+    (folder / "video").mkdir()
     for k in range(3):
-        Image.fromarray(np.full((480, 640), 90, np.uint8)).save(folder / "film" / f"{k}.png")
-    return {"run": folder / "run.csv", "film": folder / "film"}
+        Image.fromarray(np.full((480, 640), 90, np.uint8)).save(folder / "video" / f"{k}.png")
+    return {"run": folder / "run.csv", "video": folder / "video"}
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ def test_a_child_is_terminated_also_when_the_block_fails(tmp_path):
     assert child.process.returncode is not None
 
 
-def test_a_child_that_ends_too_early_is_an_error_with_its_last_words(tmp_path):
+def test_a_child_that_ends_too_early_is_an_error_with_its_last_output(tmp_path):
     code = "import sys; [print(f'line {i}', file=sys.stderr) for i in range(40)]; sys.exit(78)"
     with python(code, tmp_path) as child, pytest.raises(HarnessError) as caught:
         child.wait_until(lambda: False, 30, "being ready")

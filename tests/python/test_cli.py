@@ -149,10 +149,10 @@ def test_an_experiment_prints_its_table_and_leaves_its_files(tmp_path):
     assert {file.name for file in tmp_path.iterdir()} == names | {"comparison.png"}
 
 
-def test_an_experiment_can_be_played_with_an_honest_robot():
-    result, said = run("experiment", "line", "--robot", "honest", "--in-process", "--duration-s", "1")
+def test_an_experiment_can_be_played_with_a_nonideal_robot():
+    result, said = run("experiment", "line", "--robot", "nonideal", "--in-process", "--duration-s", "1")
     assert result.exit_code == 0, said
-    assert "honest robot" in said
+    assert "non-ideal robot" in said
 
 
 @pytest.mark.parametrize("law", ["pbvs", "pid"])
@@ -168,7 +168,7 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
     assert result.exit_code == 0, said
     each = ("{}_{}.csv", "{}_{}_distance_error.png", "{}_{}_paths.png")
     runs = [(which, profile) for which in ("line", "circle") for profile in ("paper", "anticipate")]
-    runs += [("line_honest", "anticipate"), ("circle_honest", "anticipate")]
+    runs += [("line_nonideal", "anticipate"), ("circle_nonideal", "anticipate")]
     expected = {name.format(*names) for names in runs for name in each}
     assert {file.name for file in tmp_path.iterdir()} == expected | {
         "line_anticipate_camera.gif",

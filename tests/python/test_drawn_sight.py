@@ -28,7 +28,7 @@ def test_a_hidden_leader_is_not_measured():
     for time_s, is_seen in ((14.9, True), (15.5, False), (16.1, True)):
         world.advance_to(time_s)
         distance_m, bearing_rad, _ = world.true_relative_pose("robot1")
-        drawn = DrawnObservations(seed=1, half_view_rad=np.pi)  # nobody drives robot1 here: only hiding counts
+        drawn = DrawnObservations(seed=1, half_view_rad=np.pi)  # robot1 is not driven here: only hiding counts
         assert (drawn.look(world, "robot1") is not None) == is_seen, (time_s, distance_m, bearing_rad)
 
 

@@ -45,7 +45,7 @@ def test_stop_resume_and_a_setpoint_are_obeyed_and_shown(url):
     assert robot.setpoint.distance_m == 2.0
     assert (
         core.SetpointVerdict.wrong_session not in robot.verdicts[3:]
-    )  # only the first stops can come before it is heard
+    )  # only the first stops can come before it is received
 
 
 def test_a_second_operator_speaks_after_the_first(url):
@@ -58,23 +58,23 @@ def test_a_second_operator_speaks_after_the_first(url):
 def test_nobody_on_the_bus_is_said_with_the_bus_and_what_to_look_at(url):
     operator = Operator("robot1", lcm_url=url)
     for ask in (operator.resume, lambda w: operator.set_setpoint(distance_m=1.0, bearing_rad=0.0, within_s=w)):
-        with pytest.raises(SilentRobotError, match=f"no coordinator of robot1 is heard on {url[:25]}"):
+        with pytest.raises(SilentRobotError, match=f"no coordinator of robot1 answers on {url[:25]}"):
             ask(SHORT_S)
-    with pytest.raises(SilentRobotError, match=r"\d+ stops were sent, and nobody has confirmed"):
+    with pytest.raises(SilentRobotError, match=r"\d+ stops were sent, and none was confirmed"):
         operator.stop(SHORT_S)
     assert operator.sent >= 3
 
 
 def test_a_stop_reaches_a_coordinator_that_says_nothing(url):
-    ear = bus.Bus(url)
-    heard = []
-    ear.on_setpoint("robot1", heard.append)
+    receiver = bus.Bus(url)
+    received = []
+    receiver.on_setpoint("robot1", received.append)
     with pytest.raises(SilentRobotError):
         Operator("robot1", lcm_url=url).stop(SHORT_S)
-    while ear.handle(50):
+    while receiver.handle(50):
         pass
-    assert len(heard) >= 3
-    assert not any(report.setpoint.run for report in heard)
+    assert len(received) >= 3
+    assert not any(report.setpoint.run for report in received)
 
 
 def test_wheels_that_stay_stopped_are_no_resumed_robot(url):
@@ -100,7 +100,7 @@ def test_wheels_that_have_not_stopped_are_no_stopped_robot(url):
 
 
 def test_a_coordinator_that_does_not_do_it_is_quoted(url):
-    with ScriptedCoordinator(url, deaf=True):
+    with ScriptedCoordinator(url, ignores_setpoints=True):
         operator = Operator("robot1", lcm_url=url)
         with pytest.raises(OperatorError, match=r"stops were sent in .* robot1 says: searching: .* keeps 1.00 m"):
             operator.stop(SHORT_S)
@@ -128,14 +128,14 @@ def test_with_a_key_anyone_stops_and_only_who_has_it_resumes(url, key_file, tmp_
     new_key(tmp_path / "other")
     with ScriptedCoordinator(url, key=bus.load_key(str(key_file))):
         for keys in ({}, {"key_file": tmp_path / "other"}):
-            stranger = Operator("robot1", lcm_url=url, **keys)
-            assert not stranger.stop().setpoint.run
+            without_key = Operator("robot1", lcm_url=url, **keys)
+            assert not without_key.stop().setpoint.run
             with pytest.raises(OperatorError, match="its key is not yours"):
-                stranger.resume(SHORT_S)
+                without_key.resume(SHORT_S)
         assert Operator("robot1", lcm_url=url, key_file=key_file).resume().setpoint.run
 
 
-def test_somebody_elses_stop_is_not_ended_by_a_setpoint_that_is_still_being_sent(url):
+def test_another_operators_stop_is_not_ended_by_a_setpoint_that_is_still_being_sent(url):
     """The stop comes while the coordinator refuses (it is too near), so that the operator sends again and again."""
 
     def stop_after_a_refusal(robot):
@@ -143,7 +143,7 @@ def test_somebody_elses_stop_is_not_ended_by_a_setpoint_that_is_still_being_sent
             robot.setpoint = core.Setpoint(distance_m=1.0, run=False)
 
     with ScriptedCoordinator(url, before_beat=stop_after_a_refusal) as robot:
-        with pytest.raises(OperatorError, match="told something else in between"):
+        with pytest.raises(OperatorError, match="received another setpoint in between"):
             Operator("robot1", lcm_url=url).set_setpoint(distance_m=0.3, bearing_rad=0.0)
         assert not robot.setpoint.run
 

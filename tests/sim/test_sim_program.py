@@ -30,20 +30,20 @@ WITHIN_S = 30.0
 
 class ScriptedCoordinator:
     """Answers every picture of robot1 with a command that depends on nothing but the picture's utime.
-    `ignore(utime, copy)` says which pictures it pretends not to have got, `deaf_to` how many setpoints it does not
-    obey. What it keeps and its session are in its status, all the time."""
+    `ignore(utime, copy)` says which pictures it pretends not to have got, `ignored_setpoints` how many setpoints it
+    does not obey. What it keeps and its session are in its status, all the time."""
 
     session = 2**62 + 1
 
-    def __init__(self, url, ignore=lambda utime, copy: False, heartbeat=False, deaf_to=0):
+    def __init__(self, url, ignore=lambda utime, copy: False, heartbeat=False, ignored_setpoints=0):
         self.bus = lcm.LCM(url)
         self.ignore = ignore
         self.heartbeat = heartbeat
-        self.heard = []  # channels and utimes, in order
+        self.received = []  # channels and utimes, in order
         self.pose_utimes = []
         self.setpoints = []  # messages, whatever they say
         self.kept = setpoint_t()  # the last one obeyed
-        self.deaf_to = deaf_to
+        self.ignored_setpoints = ignored_setpoints
         self._stop = threading.Event()
         self.bus.subscribe("ROBOT1_IMAGE", self._image)
         self.bus.subscribe("ROBOT1_SETPOINT", self._setpoint)
@@ -56,7 +56,7 @@ class ScriptedCoordinator:
         return Twist(linear_mps=0.1 + 0.01 * (k % 7), angular_radps=-0.2 + 0.05 * (k % 5))
 
     def pictures(self):
-        return [utime for what, utime in self.heard if what == "image"]
+        return [utime for what, utime in self.received if what == "image"]
 
     def send(self, utime, twist):
         message = command_t()
@@ -72,16 +72,16 @@ class ScriptedCoordinator:
     def _image(self, _, data):
         utime = image_t.decode(data).utime
         copy = self.pictures().count(utime)
-        self.heard.append(("image", utime))
+        self.received.append(("image", utime))
         if not self.ignore(utime, copy):
             self.send(utime, self.answer(utime))
 
     def _setpoint(self, _, data):
         message = setpoint_t.decode(data)
-        self.heard.append(("setpoint", message.utime))
+        self.received.append(("setpoint", message.utime))
         self.setpoints.append(message)
         obeyed = message.session == self.session and message.counter > self.kept.counter
-        if obeyed and len(self.setpoints) > self.deaf_to:
+        if obeyed and len(self.setpoints) > self.ignored_setpoints:
             self.kept = message
 
     def _say_status(self):
@@ -138,10 +138,10 @@ def edited(tmp_path, change):
 
 
 def test_a_run_in_lockstep_is_the_same_to_the_last_bit_even_if_pictures_get_lost(tmp_path):
-    calm, coordinator, recording = play(tmp_path, "--lockstep", "--duration-s", "1.0")
-    assert calm.returncode == 0, calm.stderr
+    quiet, coordinator, recording = play(tmp_path, "--lockstep", "--duration-s", "1.0")
+    assert quiet.returncode == 0, quiet.stderr
     assert coordinator.pictures() == [sim.START_UTIME + round(k * 1e6 / 30) for k in range(30)]
-    # Every fifth picture is overheard once, so it has to be sent again.
+    # Every fifth picture is missed once, so it has to be sent again.
     lossy, coordinator, recording_lossy = play(
         tmp_path,
         "--lockstep",
@@ -169,16 +169,16 @@ def test_a_run_in_lockstep_is_the_world_with_these_commands(tmp_path):
 
 def test_the_setpoint_of_the_scenario_comes_before_the_first_picture(tmp_path):
     _, coordinator, _ = play(tmp_path, "--duration-s", "0.2")
-    assert coordinator.heard[0][0] == "setpoint"
+    assert coordinator.received[0][0] == "setpoint"
     kept = coordinator.kept
     assert (kept.distance_m, kept.bearing_rad, kept.run) == (1.1, pytest.approx(-0.174533, abs=1e-6), True)
 
 
 @pytest.mark.parametrize("mode", ["--lockstep", "--realtime"])
 def test_no_picture_goes_out_before_the_coordinator_shows_the_setpoint(tmp_path, mode):
-    done, coordinator, _ = play(tmp_path, mode, "--duration-s", "0.2", heartbeat=True, deaf_to=3)
+    done, coordinator, _ = play(tmp_path, mode, "--duration-s", "0.2", heartbeat=True, ignored_setpoints=3)
     assert done.returncode == 0, done.stderr
-    before_the_first_picture = [what for what, _ in coordinator.heard].index("image")
+    before_the_first_picture = [what for what, _ in coordinator.received].index("image")
     assert before_the_first_picture >= 4
     counters = [message.counter for message in coordinator.setpoints]
     assert counters == sorted(set(counters))  # each copy rises, so that none looks like a replay
@@ -197,7 +197,7 @@ def test_a_second_run_is_obeyed_by_the_same_coordinator(tmp_path):
 
 
 def test_a_coordinator_that_does_not_take_the_setpoint_is_named(tmp_path):
-    done, coordinator, _ = play(tmp_path, "--wait-s", "0.5", heartbeat=True, deaf_to=10**9)
+    done, coordinator, _ = play(tmp_path, "--wait-s", "0.5", heartbeat=True, ignored_setpoints=10**9)
     assert done.returncode == 70
     assert "robot1 does not show the setpoint it was sent" in done.stderr
     assert coordinator.pictures() == []
@@ -228,7 +228,7 @@ def test_dropped_frames_are_not_waited_for(tmp_path):
     delivered = [row["delivered"] == "1" for row in rows(recording)]
     assert len(delivered) == 60
     assert len(set(coordinator.pictures())) == sum(delivered) < 60
-    # What was told last is still what the robot was told.
+    # The last command still holds.
     for before, row in zip(rows(recording), rows(recording)[1:], strict=False):
         if row["delivered"] == "0":
             assert row["command_linear_mps"] == before["command_linear_mps"]

@@ -147,7 +147,7 @@ def test_what_cannot_be_obeyed_is_refused():
         world.state("nobody")
     with pytest.raises(IndexError, match="'leader' has no camera"):
         world.capture("leader")
-    with pytest.raises(IndexError, match="'leader' follows nobody"):
+    with pytest.raises(IndexError, match="'leader' follows no robot"):
         world.true_cMo("leader")
 
 
@@ -207,7 +207,7 @@ def test_motion_blur_smears_what_moves_and_leaves_alone_what_stands():
         robot.camera = camera
 
     blurred, sharp = (sim.World(with_robot(scenario(), "robot1", change)) for change in (open_shutter, shut))
-    # At time zero nobody moves yet; the shutter's second half sees the leader's first millimetres at most.
+    # At time zero no robot moves yet; the shutter's second half sees the leader's first millimetres at most.
     still = np.abs(blurred.capture("robot1").image.astype(int) - sharp.capture("robot1").image)
     assert still.max() <= 2
     for world in (blurred, sharp):

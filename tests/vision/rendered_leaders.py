@@ -46,7 +46,7 @@ def render(
     **imperfections: float,
 ) -> np.ndarray:
     """(H, W) uint8 of leaders, given as (what it wears, cMo). `seed` of the noise; blur sigma 0.7 px and noise sigma 3
-    unless told otherwise."""
+    unless stated otherwise."""
     robots = []
     for body, cMo in leaders:
         robot = sim.RobotBody()

@@ -1,7 +1,7 @@
 """TagTracker: the corners are where the geometry puts them, as exactly as it says, whatever family, lens and light.
 
 Most pictures are the simulator's, whose edges are exact means over the pixels' areas. Noise is 3 gray levels on a
-contrast of 190 unless told otherwise. What limits a corner: along an edge of n pixels, blurred with sigma = 0.76 px
+contrast of 190 unless stated otherwise. What limits a corner: along an edge of n pixels, blurred with sigma = 0.76 px
 (0.7 px and the pixel's own width), the place of the edge is known to
 
     noise / contrast sqrt(2 sqrt(pi) sigma / n) = 3 / 190 sqrt(2.7 / n) = 0.026 px / sqrt(n)
@@ -124,7 +124,7 @@ def test_every_family_is_measured_and_knows_how_well(family_name):
         errors.append((answer.tag.corners_px - truth).ravel())
         squared.append(squared_in_sigmas(errors[-1], answer.covariance_px2))
     assert np.sqrt(np.mean(np.square(errors))) < 0.028
-    # Whose cells are free or few leans more on the model of the light and the blur: honest to three tenths of a
+    # Whose cells are free or few leans more on the model of the light and the blur: accurate to three tenths of a
     # sigma (1.3^2), where a covariance that took neighbouring samples for independent ones was off by twice that.
     assert 0.5 < np.mean(squared) / 8 < 1.3**2
 

@@ -1,4 +1,4 @@
-"""Pictures that nobody here rendered: ViSP's AprilTag benchmark, with the true pose of each of its five tags.
+"""Pictures that were not rendered here: ViSP's AprilTag benchmark, with the true pose of each of its five tags.
 
 Debian's visp-images-data. Two sizes of one scene per tag family; the intrinsics are those of ViSP's own test,
 f = 700 px at 640 x 480 with the principal point in the middle, and three times that at 1920 x 1080 (found by
@@ -85,7 +85,7 @@ def test_the_pose_is_as_good_as_visps_own(size):
 
 @BOTH_SIZES
 def test_the_corners_are_where_the_true_poses_put_them(size):
-    # The half-pixel once more, on somebody else's pictures: a wrong convention is off by 0.5 px in u and v.
+    # The half-pixel once more, on an independent data set: a wrong convention is off by 0.5 px in u and v.
     offsets = []
     for tag in TagDetector().detect(picture(size)).tags:
         on_body = body_tag(tag.id)

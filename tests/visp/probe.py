@@ -17,11 +17,11 @@ SIZE_M = 0.16
 HALF_TURN = np.diag([1.0, -1.0, -1.0, 1.0])
 
 
-def _run(command: str, told: str = "") -> list[dict]:
+def _run(command: str, request: str = "") -> list[dict]:
     program = built("visp_probe")
     if (RELEASE / "build.ninja").exists() and program.is_relative_to(RELEASE):
         subprocess.run(["cmake", "--build", RELEASE, "--target", "visp_probe"], check=True, stdout=subprocess.DEVNULL)
-    done = subprocess.run([program, command], input=told, check=False, capture_output=True, text=True)
+    done = subprocess.run([program, command], input=request, check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
 
@@ -34,11 +34,11 @@ def refusals() -> dict:
     return _run("refusals")[0]
 
 
-def show(pictures: list[list[np.ndarray | None]], ids=(0,), camera=CAMERA, noise=0.0, **told) -> list[dict]:
+def show(pictures: list[list[np.ndarray | None]], ids=(0,), camera=CAMERA, noise=0.0, **request) -> list[dict]:
     """Per picture what both said. `pictures`: per picture and tag its pose cMt, (4, 4), or None."""
     listed = [[None if pose is None else np.ravel(pose).tolist() for pose in picture] for picture in pictures]
-    told |= {"camera": camera, "ids": list(ids), "size_m": SIZE_M, "noise": noise, "pictures": listed}
-    return _run("tags", json.dumps(told))
+    request |= {"camera": camera, "ids": list(ids), "size_m": SIZE_M, "noise": noise, "pictures": listed}
+    return _run("tags", json.dumps(request))
 
 
 def pose(x_m=0.0, y_m=0.0, z_m=1.0, *, yaw_deg=0.0, pitch_deg=0.0, roll_deg=0.0) -> np.ndarray:

@@ -136,7 +136,7 @@ def test_detect_without_a_camera_follows_with_the_one_that_get_pose_was_given():
 @pytest.mark.parametrize("factor", [0.01, 100.0])
 def test_a_tag_of_another_size_is_as_much_nearer_or_farther_and_turned_alike(factor, without_pose):
     # A picture says nothing about size: 1.6 mm at 1 cm looks as 0.16 m at 1 m and 16 m at 100 m do.
-    *_, last = show([[OBLIQUE]] * 3, told_size_m=factor * SIZE_M, without_pose=without_pose)
+    *_, last = show([[OBLIQUE]] * 3, configured_size_m=factor * SIZE_M, without_pose=without_pose)
     scaled = OBLIQUE @ HALF_TURN
     scaled[:3, 3] *= factor
     assert nearly(last["ours"][0], scaled, mm=0.2 * factor, deg=0.1)

@@ -9,8 +9,8 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/bus/encoded_image.hpp"
+#include "pilotfish/bus/final_message.hpp"
 #include "pilotfish/bus/key.hpp"
-#include "pilotfish/bus/last_words.hpp"
 #include "pilotfish/bus/reports.hpp"
 
 PILOTFISH_API_BEGIN
@@ -57,7 +57,7 @@ class Bus {
   /// rejected(). Only names and setpoints that cannot be right throw (ConfigError).
   void publish(const std::string& robot, const CommandReport& report);
   /// The same command, encoded for sending from a crashing process.
-  std::unique_ptr<LastWords> last_words(const std::string& robot, const CommandReport& report);
+  std::unique_ptr<FinalMessage> final_message(const std::string& robot, const CommandReport& report);
   void publish(const std::string& robot, const ObservationReport& report);  ///< on NAME_OBSERVATION
   void publish(const std::string& robot, const StatusReport& report);       ///< on NAME_STATUS
   void publish(const std::string& robot, const PoseReport& report);         ///< on NAME_POSE

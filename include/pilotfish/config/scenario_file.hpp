@@ -15,8 +15,8 @@ namespace pilotfish::config {
 sim::Scenario load_scenario(const std::filesystem::path& file);
 sim::Scenario parse_scenario(const TextFile& file);
 
-/// What a real robot is, as data/hardware/honest.yaml: its sections `drive` and `camera` count in place of what the
-/// scenario says of each robot that follows another. Throws ConfigError.
+/// The errors of a non-ideal robot, as data/hardware/nonideal.yaml: its sections `drive` and `camera` count in place of
+/// what the scenario says of each robot that follows another. Throws ConfigError.
 void apply_hardware(const TextFile& file, sim::Scenario& scenario);
 
 }  // namespace pilotfish::config

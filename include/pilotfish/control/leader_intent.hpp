@@ -57,7 +57,7 @@ class LeaderIntent {
   /// False, and nothing changes, unless it is finite, plausible and newer than the last.
   bool update(std::int64_t utime, const Twist& twist) noexcept;
 
-  bool heard() const { return !heard_.empty(); }  ///< an intent has been received
+  bool has_intent() const { return !received_.empty(); }  ///< an intent has been received
 
   /// Once a frame, with vision's own estimate of the leader at that frame's time, relative to `own`.
   LeaderIntentUse evaluate(const LeaderEstimate& seen, const Pose2& own, std::int64_t utime) noexcept;
@@ -72,7 +72,7 @@ class LeaderIntent {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.heard_, self.agreeing_since_, self.suspended_until_, self.claims_);
+    archive(self.received_, self.agreeing_since_, self.suspended_until_, self.claims_);
   }
 
  private:
@@ -80,7 +80,7 @@ class LeaderIntent {
     Twist twist;
     std::int64_t utime = 0;
   };
-  const Announcement& newest() const { return heard_.back(); }
+  const Announcement& newest() const { return received_.back(); }
   struct Axis {  // speed along the heading, or turn rate
     double Twist::*of;
     double seen, sigma, tolerance;
@@ -88,11 +88,11 @@ class LeaderIntent {
   };
   std::array<Axis, 2> axes(const LeaderEstimate& seen) const noexcept;
   bool holds(const Axis& axis, std::int64_t utime) const noexcept;
-  bool says_slower(const Axis& axis) const noexcept;
+  bool announces_slower(const Axis& axis) const noexcept;
   LeaderIntentUse suspend(std::int64_t utime) noexcept;
 
   LeaderIntentConfig config_;
-  BoundedVector<Announcement, 64> heard_;  ///< by time; when full, the oldest is dropped
+  BoundedVector<Announcement, 64> received_;  ///< by time; when full, the oldest is dropped
   std::optional<std::int64_t> agreeing_since_, suspended_until_;
   std::array<std::optional<double>, 2> claims_;  ///< by axis: the slower speed announced, not yet confirmed
 };

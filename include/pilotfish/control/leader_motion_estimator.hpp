@@ -90,7 +90,7 @@ class LeaderMotionEstimator {
   const std::array<double, 3>& probabilities() const { return probability_; }
   /// What the measurements scatter beyond their claimed covariance, as learned so far.
   const MeasurementNoise& noise() const { return noise_; }
-  /// How far the robot strays from its dead reckoning, as learned so far.
+  /// Dead-reckoning drift of the robot, as learned so far.
   const OwnMotionNoise& own_noise() const { return own_noise_; }
 
   template <class Self, class Archive>

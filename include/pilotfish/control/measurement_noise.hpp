@@ -13,7 +13,7 @@ namespace pilotfish::control {
 struct LeaderFix {
   std::int64_t utime = 0;                                    ///< exposure [us]
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();            ///< x, y, heading
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< as claimed by whoever measured it
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< as claimed by the source of the measurement
   double line_of_sight_rad = 0.0;                            ///< direction from the camera's robot to the leader
 
   template <class Self, class Archive>
@@ -52,10 +52,10 @@ class MeasurementNoise {
     archive(self.fixes_, self.samples_, self.excess_variance_);
   }
 
-  static constexpr std::size_t kWindow = 60;    ///< samples, 2 s at 30 Hz
-  static constexpr std::size_t kFewest = 20;    ///< fewer say nothing
-  static constexpr double kLongestGap_s = 0.5;  ///< over a longer one a leader can do anything
-  static constexpr double kMax_m = 0.02;        ///< more than that, and more
+  static constexpr std::size_t kWindow = 60;      ///< samples, 2 s at 30 Hz
+  static constexpr std::size_t kMinSamples = 20;  ///< with fewer, the estimate is 0
+  static constexpr double kLongestGap_s = 0.5;    ///< over a longer one a leader can do anything
+  static constexpr double kMax_m = 0.02;          ///< more than that, and more
   static constexpr double kMax_rad = 0.05;  ///< than that, is no scatter: the other pose of a flat tag is an outlier
   static constexpr double kSubtracted =
       2.0;  ///< times the claimed variance: the median of 60 samples is that uncertain

@@ -9,10 +9,10 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish::control {
 
-/// How far the robot strays from its dead reckoning, along the line of sight: wheels slip, turn in steps and answer
-/// late. Learned from the measurements of the leader alone, nothing to set.
+/// Dead-reckoning drift of the robot along the line of sight: wheels slip, turn in steps and respond late. Learned from
+/// the measurements of the leader alone, nothing to set.
 ///
-/// Straying is a random walk, of variance q per second; noise of a measurement is new in every one. The normalised
+/// The drift is a random walk, of variance q per second; noise of a measurement is new in every one. The normalised
 /// third difference r of four measurements (see MeasurementNoise) has from both the variance
 ///
 ///   s^2 + q W,     W = sum_k (t_k+1 - t_k) (w_0 + ... + w_k)^2 / sum w_i^2,
@@ -25,7 +25,8 @@ namespace pilotfish::control {
 ///
 /// With kMargin = 1 that would be the walk itself, and as often as not noise without any; with more, what is found of a
 /// walk that is much more than the noise is still nearly all of it. The quantile lies high, as a wheel that turns in
-/// steps errs seldom but by much, and not so high that it sees a leader which stops dead, in 18 of 120 samples.
+/// steps errs seldom but by much, and not so high that it is disturbed by a leader which stops dead, in 18 of 120
+/// samples.
 class OwnMotionNoise {
  public:
   /// The next measurement, in the odometry frame. One that is not newer than the last, or comes after a gap, begins
@@ -41,10 +42,10 @@ class OwnMotionNoise {
     archive(self.places_, self.samples_, self.sigma_);
   }
 
-  static constexpr std::size_t kWindow = 120;   ///< samples, 4 s at 30 Hz
-  static constexpr std::size_t kFewest = 60;    ///< fewer say nothing
-  static constexpr double kLongestGap_s = 0.5;  ///< over a longer one a leader can do anything
-  static constexpr double kMargin = 1.3;        ///< see above
+  static constexpr std::size_t kWindow = 120;     ///< samples, 4 s at 30 Hz
+  static constexpr std::size_t kMinSamples = 60;  ///< with fewer, the estimate is 0
+  static constexpr double kLongestGap_s = 0.5;    ///< over a longer one a leader can do anything
+  static constexpr double kMargin = 1.3;          ///< see above
   static constexpr double kMax = 0.002;  ///< more [m per sqrt(s)] would take too much of what the leader does for it
 
  private:

@@ -11,7 +11,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// The monotonic clock of another process, perhaps on another computer, as far as its messages tell.
+/// The monotonic clock of another process, perhaps on another computer, estimated from its messages.
 ///
 /// A message states the time T at which it was sent, on its sender's clock, and has arrived at A on ours: the time at
 /// which it is handled, never one from before it was received. It was on its way, or waited, for some time d >= 0, so

@@ -22,14 +22,14 @@ namespace pilotfish {
 /// and whatever walks the tree (the reader, the range check, the documentation, the schema, the Python binding) finds
 /// its parts there and its numbers in parameters(). Either may be missing.
 namespace sections_detail {
-struct Nobody {
+struct NullVisitor {
   template <class Member>
   void operator()(const char*, Member) const {}
 };
 template <class Config, class = void>
 struct HasSections : std::false_type {};
 template <class Config>
-struct HasSections<Config, std::void_t<decltype(Config::sections(Nobody{}))>> : std::true_type {};
+struct HasSections<Config, std::void_t<decltype(Config::sections(NullVisitor{}))>> : std::true_type {};
 template <class Config, class = void>
 struct HasParameters : std::false_type {};
 template <class Config>

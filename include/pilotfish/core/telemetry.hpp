@@ -55,7 +55,7 @@
   FRAME(std::int8_t, ego_motion, "", output, output->ego_motion,                                                      \
     "where the own motion is taken from; on the wire status_t's EGO_MOTION_ numbers")                                 \
   FRAME(std::int8_t, leader_intent, "", output, output->leader_intent,                                                \
-    "what the leader's word is worth; on the wire status_t's LEADER_INTENT_ numbers")                                 \
+    "how the leader intent is used; on the wire status_t's LEADER_INTENT_ numbers")                                 \
   LOOP(double, frame_rate_hz, "Hz", timing.frame_rate_hz, "rate at which frames come")                                \
   LOOP(double, processing_ms, "ms", timing.processing_s * 1e3, "time spent on this frame")                            \
   FRAME(double, latency_s, "s", timing, timing->median_latency_s,                                                     \
@@ -65,7 +65,7 @@
   FRAME(double, drive_latency_s, "s", drive, drive->latency_s,                                                        \
     "from the exposure to the moment the command for it reaches the wheels, as it is used: configured, or identified") \
   FRAME(double, drive_latency_sigma_s, "s", drive, drive->latency_sigma_s,                                            \
-    "standard deviation of its identification; 0.1: the motion so far does not tell")                                 \
+    "standard deviation of its identification; 0.1: not observable in the motion so far")                              \
   FRAME(double, drive_lag_s, "s", drive, drive->actuator_lag_s,                                                       \
     "time constant of the wheels' speed control, as it is used: configured, or identified")                           \
   FRAME(double, drive_lag_sigma_s, "s", drive, drive->actuator_lag_sigma_s,                                           \

@@ -18,7 +18,7 @@ struct Answer {
 };
 
 /// One row per following robot and exposure, with the truth at the exposure. Numbers are written so that
-/// reading them back gives the same bits. std::out_of_range, and nothing is written, for a robot that follows nobody.
+/// reading them back gives the same bits. std::out_of_range, and nothing is written, for a robot that follows no other.
 void write_recording_header(std::ostream& csv);
 void write_recording_row(std::ostream& csv, const World& world, const std::string& robot, const Answer& answer);
 

@@ -28,7 +28,7 @@ struct Visibility {
   bool visible_at(double time_s) const { return time_s < hidden_from_s || time_s >= hidden_until_s; }
 };
 
-/// A robot's own camera. The errors are what nobody knows: the world uses them, no configuration says them.
+/// A robot's own camera. The errors are unknown to the coordinator: the world has them, no configuration does.
 struct CameraSpec {
   CameraModel model;            ///< size and lens
   CameraMounting mounting;      ///< where it sits on the robot
@@ -47,7 +47,7 @@ struct CameraSpec {
                       "its focal length is really so much longer than the calibration's, as a share");
 };
 
-CameraModel real_model(const CameraSpec& camera);        ///< with the error that nobody knows
+CameraModel real_model(const CameraSpec& camera);        ///< with the error unknown to the coordinator
 CameraMounting real_mounting(const CameraSpec& camera);  ///< likewise
 
 /// One robot of the world. It does one of three: it drives a trajectory, it follows another robot by

@@ -16,7 +16,7 @@ struct UnicycleState {
   Twist twist;  ///< the real Twist, in the base frame
 };
 
-/// A drive's limits and delays, and by how much it does not do what it is told. The defaults are an ideal drive's.
+/// A drive's limits and delays, and its errors in executing commands. The defaults are an ideal drive's.
 struct DriveConfig {
   PILOTFISH_PARAMETERS(DriveConfig);
   PILOTFISH_PARAMETER(double, max_linear_mps, 0.6, 0.0, 20.0, "top speed, forwards and backwards");
@@ -27,8 +27,8 @@ struct DriveConfig {
   PILOTFISH_PARAMETER(double, command_timeout_s, 0.2, 0.0, 60.0,
                       "a command that is not renewed for so long is taken as zero; 0: never");
   PILOTFISH_PARAMETER(double, linear_gain, 1.0, 0.5, 1.5,
-                      "real speed over the one that the driver was told, which the top speed bounds");
-  PILOTFISH_PARAMETER(double, angular_gain, 1.0, 0.5, 1.5, "real turn rate over the one that the driver was told");
+                      "real speed over the commanded one, which the top speed bounds");
+  PILOTFISH_PARAMETER(double, angular_gain, 1.0, 0.5, 1.5, "real turn rate over the commanded one");
   PILOTFISH_PARAMETER(double, wheel_step_mps, 0.0, 0.0, 1.0, "a wheel's speed can be set in such steps; 0: to any");
   PILOTFISH_PARAMETER(double, track_width_m, 0.3, 0.01, 5.0, "between the wheels; matters for wheel_step_mps alone");
   PILOTFISH_PARAMETER(double, slip, 0.0, -0.5, 0.5, "share of the speed that is lost between wheels and ground");

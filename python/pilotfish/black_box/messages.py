@@ -22,7 +22,7 @@ def bundle_of(start: box_start_t) -> ConfigBundle:
 
 
 def held_of(message: held_t) -> HeldCommand:
-    """The HeldCommand that a message tells of, to the bit."""
+    """The HeldCommand that a message contains, to the bit."""
     return HeldCommand(
         utime=message.utime,
         command=core.Twist(linear_mps=message.linear_mps, angular_radps=message.angular_radps),

@@ -113,7 +113,7 @@ def run(app: typer.Typer) -> int:
 
 
 def _say(message: str) -> None:
-    with suppress(OSError):  # nobody listens
+    with suppress(OSError):  # no reader
         _errors.print(f"[bold red]pilotfish:[/] {escape(message)}", soft_wrap=True)
 
 

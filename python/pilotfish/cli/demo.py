@@ -28,7 +28,7 @@ def demo(
 ) -> None:
     """Run both experiments with both profiles and the real programs over LCM in lock-step; table and pictures in OUT.
 
-    And once more, with the last profile, on a robot as it comes out of a workshop (data/hardware/honest.yaml).
+    And once more, with the last profile, on a non-ideal robot (data/hardware/nonideal.yaml).
 
     \b
     Example
@@ -51,7 +51,7 @@ def demo(
 
         drivers = drivers_of(profile, Law.fuzzy)
         results = [play(experiment, driver) for experiment in EXPERIMENTS.values() for driver in drivers]
-        honest = [play(experiment.on_honest_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
+        nonideal = [play(experiment.on_nonideal_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
         summaries = []
         for title, by_name in by_experiment(results).items():
             shown = list(by_name.values())[-1]
@@ -63,10 +63,10 @@ def demo(
         written.append(save(draw_overview(summaries), out / "overview.png"))
         written += save_comparison(results, out)
         written += _save_law(results[0], out)
-        written.append(_save_metrics(results + honest, out))
+        written.append(_save_metrics(results + nonideal, out))
         console.print(metrics_table(results))
         console.print()
-        console.print(metrics_table(honest, "The same with slip, lag, noise and a crooked camera that nobody told"))
+        console.print(metrics_table(nonideal, "The same with slip, lag, noise and camera misalignment, not configured"))
         for file in written:
             console.print(f"wrote {file}", soft_wrap=True)
 

@@ -43,14 +43,14 @@ def experiment(
       pilotfish experiment both --out out          with recordings and pictures
       pilotfish experiment circle --in-process     without programs and bus
       pilotfish experiment line --law pid          with a baseline of the fuzzy law
-      pilotfish experiment both --robot honest     with slip, lag, noise and a crooked camera
+      pilotfish experiment both --robot nonideal   with slip, lag, noise and camera misalignment
     """
     from pilotfish.cli.pictures import save_comparison, save_result
     from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
 
     chosen = list(EXPERIMENTS.values()) if which is Which.both else [EXPERIMENTS[which.value]]
-    if robot is Robot.honest:
-        chosen = [experiment.on_honest_robot() for experiment in chosen]
+    if robot is Robot.nonideal:
+        chosen = [experiment.on_nonideal_robot() for experiment in chosen]
     transport = "in-process" if in_process else "lcm"
     with friendly_errors():
         results = []

@@ -53,8 +53,8 @@ def show(file: FileArgument) -> None:
 
 @app.command()
 def check(file: FileArgument) -> None:
-    """Prove the file and look for dead zones, jumps and rules that never fire; exit code 78 if it cannot be used, 1 if
-    something is found.
+    """Validate the file and look for dead zones, jumps and rules that never fire; exit code 78 if it cannot be used, 1
+    if something is found.
 
     \b
     Example

@@ -21,7 +21,7 @@ TURNING, KNOWN = "The base frame from the turning", "The base frame from a tag w
 
 
 def learn_body(
-    film: Annotated[Path, typer.Argument(exists=True, help="A video file, or a folder of pictures.")],
+    video: Annotated[Path, typer.Argument(exists=True, help="A video file, or a folder of pictures.")],
     camera: Annotated[
         Path, typer.Option("--camera", exists=True, dir_okay=False, help="Its calibration: OpenCV's YAML, ViSP's XML.")
     ],
@@ -95,7 +95,7 @@ def learn_body(
 
     \b
     What is needed
-      A calibrated camera (at the film's size and focus): without it, angles and
+      A calibrated camera (at the video's size and focus): without it, angles and
       distances would be bent. The sides of the black squares: all lengths are
       as right as they are. If one of them does not fit the others, it is named.
 
@@ -127,13 +127,13 @@ def learn_body(
         check_writable(output)
         try:
             model = load_calibration(str(camera))
-            TagFamily(family)  # refused here, before the film is opened
+            TagFamily(family)  # refused here, before the video is opened
             base = _base(reference_tag, facing_deg, height_of, position_m, tilt_deg, roll_deg, reference_leader)
         except PilotfishError:
             raise
         except ValueError as error:
             raise ConfigError(str(error)) from error
-        source, pictures = _open(film)
+        source, pictures = _open(video)
         with progress("finding tags") as step:
             collected = body_calibration.collect_sightings(
                 source,
@@ -153,7 +153,7 @@ def learn_body(
                 family=family,
                 name=name or output.stem,
             )
-        body_calibration.write_leader_body(output, learned.body, remarks(film.name, learned))
+        body_calibration.write_leader_body(output, learned.body, remarks(video.name, learned))
         print_report(collected, learned)
         console.print(f"wrote {output}", soft_wrap=True)
 
@@ -219,15 +219,17 @@ def _base(
     return KnownTag(BodyTag(id=reference_tag, position_m=list(position_m), **angles))
 
 
-def _open(film: Path) -> tuple[FrameSource, int | None]:
+def _open(video: Path) -> tuple[FrameSource, int | None]:
     """The frames, and how many there are if that is known beforehand."""
     from pilotfish.capture import CaptureError, open_images, open_video
     from pilotfish.errors import BodyLearningError
 
     try:
-        if not film.is_dir():
-            return open_video(str(film)), None
-        pictures = sum(1 for file in film.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"})
-        return open_images(str(film)), pictures or None
+        if not video.is_dir():
+            return open_video(str(video)), None
+        pictures = sum(
+            1 for file in video.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"}
+        )
+        return open_images(str(video)), pictures or None
     except CaptureError as error:
         raise BodyLearningError(str(error)) from error

@@ -1,4 +1,4 @@
-"""``pilotfish stop | resume | setpoint | key``: what an operator says to a robot."""
+"""``pilotfish stop | resume | setpoint | key``: an operator's requests to a robot."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def stop(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, w
 
 
 def resume(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, within_s: WithinOption = 3.0) -> None:
-    """End a stop: the robot drives again, and keeps what it kept before.
+    """End a stop: the robot drives again, and keeps its previous setpoint.
 
     \b
     Example
@@ -64,7 +64,7 @@ def setpoint(
     key: KeyOption = None,
     within_s: WithinOption = 3.0,
 ) -> None:
-    """Say what a robot is to keep. One that has been stopped stays stopped.
+    """Set the setpoint of a robot. One that has been stopped stays stopped.
 
     \b
     Example
@@ -89,7 +89,7 @@ def key_new(
 ) -> None:
     """Make a key: 64 hex digits at random, in a file that only its owner may read.
 
-    Copy it to every computer that may speak (coordinator, wheels, operators), and name it in key_file or --key.
+    Copy it to every computer that may send (coordinator, wheels, operators), and name it in key_file or --key.
 
     \b
     Example

@@ -25,7 +25,7 @@ def between(low: float, high: float, unit: str = "") -> Callable[[float | None],
 
 
 class Which(str, Enum):
-    """The experiments that a command can be told to run."""
+    """The experiments that a command can run."""
 
     line = "line"
     circle = "circle"
@@ -36,7 +36,7 @@ class Robot(str, Enum):
     """The robot that an experiment is played with."""
 
     ideal = "ideal"
-    honest = "honest"
+    nonideal = "nonideal"
 
 
 class Profile(str, Enum):
@@ -62,8 +62,8 @@ Tunable = Enum("Tunable", {name: name for name in (*PROFILES, *BASELINES)}, type
 RobotOption = Annotated[
     Robot,
     typer.Option(
-        help="A robot that does what it is told, or one as it comes out of a workshop (slip, lag, a crooked camera, "
-        "noise: data/hardware/honest.yaml), of which nobody tells the coordinator."
+        help="An ideal robot, or one with slip, lag, camera misalignment and noise (data/hardware/nonideal.yaml), "
+        "which are not in the coordinator's configuration."
     ),
 ]
 ProfileOption = Annotated[

@@ -43,7 +43,7 @@ def examine(
         look("multicast", lambda: network.check_multicast(group))
         look("receive buffer", lambda: network.check_receive_buffer(host))
     if any(finding.check == "multicast" and finding.verdict is Verdict.wrong for finding in found):
-        found.append(note("bus", "not listened to: it would hear nothing"))
+        found.append(note("bus", "not listened to: it receives nothing"))
     else:
         look("bus", lambda: bus_checks.check_bus(lcm_url, listen_s))
     look("firewall", lambda: system.check_firewall(host))

@@ -1,4 +1,4 @@
-"""Who else speaks on the bus: listens for a moment, to everything."""
+"""Other senders on the bus: receives on all channels for a moment."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Channel:
     sessions: set[int] = field(default_factory=set)  # of the senders, where the channel carries commands
     unreadable: int = 0
 
-    def heard(self, channel: str, data: bytes) -> None:
+    def receive(self, channel: str, data: bytes) -> None:
         """Counts a message, and whose command it is if it is one."""
         from pilotfish.lcmtypes.pilotfish import command_t
 
@@ -34,22 +34,22 @@ class Channel:
 
 
 def listen(url: str, seconds: float) -> dict[str, Channel]:
-    """Everything that is said on the bus within `seconds`. Raises whatever LCM raises where there is no bus."""
+    """Everything that is sent on the bus within `seconds`. Raises whatever LCM raises where there is no bus."""
     import lcm
 
-    heard: dict[str, Channel] = {}
+    received: dict[str, Channel] = {}
     bus = lcm.LCM(url)
-    bus.subscribe(".*", lambda channel, data: heard.setdefault(channel, Channel()).heard(channel, data))
+    bus.subscribe(".*", lambda channel, data: received.setdefault(channel, Channel()).receive(channel, data))
     until = time.monotonic() + seconds
     while (left_s := until - time.monotonic()) > 0:
         bus.handle_timeout(max(1, int(left_s * 1000)))
-    return heard
+    return received
 
 
-def findings_of(heard: dict[str, Channel], seconds: float) -> list[Finding]:
+def findings_of(received: dict[str, Channel], seconds: float) -> list[Finding]:
     """Pure: what the channels mean. One sender of commands a robot, or something is wrong."""
     findings = []
-    for name, channel in sorted(heard.items()):
+    for name, channel in sorted(received.items()):
         if len(channel.sessions) > 1:
             sessions = ", ".join(f"{session & (2**64 - 1):016x}" for session in sorted(channel.sessions))
             findings.append(
@@ -67,15 +67,15 @@ def findings_of(heard: dict[str, Channel], seconds: float) -> list[Finding]:
                     "use programs of one version; pilotfish-spy shows what is sent",
                 )
             )
-    return [_summary(heard, seconds), *findings]
+    return [_summary(received, seconds), *findings]
 
 
-def _summary(heard: dict[str, Channel], seconds: float) -> Finding:
-    if not heard:
+def _summary(received: dict[str, Channel], seconds: float) -> Finding:
+    if not received:
         return ok("bus", f"quiet for {seconds:g} s")
     lines = [
         f"{name} {channel.messages / seconds:.1f} Hz {channel.payload_bytes / seconds / 1000:.1f} kB/s"
-        for name, channel in sorted(heard.items())
+        for name, channel in sorted(received.items())
     ]
     more = [f"and {len(lines) - _SHOWN} more channels"] if len(lines) > _SHOWN else []
     return ok("bus", "\n".join(lines[:_SHOWN] + more))

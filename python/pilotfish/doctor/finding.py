@@ -34,7 +34,7 @@ def ok(check: str, seen: str) -> Finding:
 
 
 def note(check: str, seen: str, advice: str = "") -> Finding:
-    """A finding of what does no harm, or cannot be told here."""
+    """A finding of what does no harm, or cannot be determined here."""
     return Finding(check, Verdict.note, seen, advice)
 
 

@@ -105,10 +105,10 @@ def multicast_comes_back(group: Group, within_s: float) -> str | None:
         while (left_s := until - time.monotonic()) > 0:
             receiver.settimeout(left_s)
             try:
-                heard, (source, _) = receiver.recvfrom(2048)
+                received, (source, _) = receiver.recvfrom(2048)
             except TimeoutError:
                 return None
-            if heard == message:
+            if received == message:
                 return source
     return None
 

@@ -13,7 +13,7 @@ from pilotfish.doctor.host import Host
 BLACK_BOX = "/var/lib/pilotfish"
 RULES = "/usr/share/pilotfish/nftables/pilotfish.nft"
 _WANTED_FREE_BYTES = 1_000_000_000
-_LEAST_FREE_BYTES = 100_000_000
+_MIN_FREE_BYTES = 100_000_000
 # Read from user space without a system call; the others cost a microsecond and more each time.
 _FAST_CLOCKS = {"tsc", "arch_sys_counter", "kvm-clock", "hyperv_clocksource_tsc_page", "riscv_clocksource"}
 
@@ -46,7 +46,7 @@ def check_clock(host: Host) -> Finding:
 
 
 def check_time(host: Host) -> Finding:
-    """Whether the time of day is kept by somebody."""
+    """Whether the time of day is synchronised."""
     synchronized = host.clock_is_synchronized()
     if synchronized is None:
         return note("time of day", "whether it is synchronized cannot be read here")
@@ -65,7 +65,7 @@ def check_disk(host: Host, black_box: str = BLACK_BOX) -> Finding:
     while not folder.is_dir() and folder != folder.parent:
         folder = folder.parent
     free = host.free_bytes(folder)
-    if free < _LEAST_FREE_BYTES:
+    if free < _MIN_FREE_BYTES:
         return wrong("disk", f"{free // 1_000_000} MB free for {black_box}", "make room, or record somewhere else")
     if free < _WANTED_FREE_BYTES:
         return note("disk", f"{free // 1_000_000} MB free for {black_box}: recordings will be short")

@@ -36,7 +36,7 @@ class FrameEvent:
 
 OnFrame = Callable[[FrameEvent], None]
 Configure = Callable[[coordinator.CoordinatorConfig], None]
-Tell = Callable[[sim.World, str, coordinator.Coordinator], None]
+Feed = Callable[[sim.World, str, coordinator.Coordinator], None]
 
 
 def run_in_process(
@@ -47,7 +47,7 @@ def run_in_process(
     spec: sim.Scenario | None = None,
     configure: Configure | None = None,
     drawn: DrawnObservations | None = None,
-    tell: Tell | None = None,
+    feed: Feed | None = None,
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,
     on_frame: OnFrame | None = None,
@@ -56,9 +56,9 @@ def run_in_process(
     latency.
 
     ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
-    seed, other imperfections. ``configure`` has the last word on each coordinator's configuration. With ``drawn``
-    nothing is rendered: measurements are drawn. ``tell`` is called before each look, with the robot's name: what else
-    the coordinator receives then, such as odometry.
+    seed, other imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
+    nothing is rendered: measurements are drawn. ``feed`` is called before each step, with the robot's name: it
+    supplies the coordinator's other inputs, such as odometry.
     """
     world = sim.World(spec if spec is not None else sim.load_scenario(scenario.file))
     driving = Driving(profile, tuning)
@@ -73,8 +73,8 @@ def run_in_process(
         for robot in scenario.robots:
             frame = None if drawn else world.capture(robot.name)
             delivered = drawn is not None or frame is not None
-            if tell:
-                tell(world, robot.name, drivers[robot.name])
+            if feed:
+                feed(world, robot.name, drivers[robot.name])
             if delivered:  # else there is no answer, and the wheels keep the last command
                 driver = drivers[robot.name]
                 result = (

@@ -18,7 +18,7 @@ _calls = itertools.count()
 
 
 def free_udp_port() -> int:
-    """A UDP port nobody on this host is bound to, another one with every call."""
+    """A UDP port no process on this host is bound to, another one with every call."""
     start = os.getpid() * _APART
     for call in itertools.islice(_calls, _COUNT):  # a taken port uses up its call: the next begins behind it
         port = _FIRST + (start + call) % _COUNT

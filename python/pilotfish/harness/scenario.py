@@ -34,7 +34,7 @@ class Scenario:
 
     @classmethod
     def load(cls, file: str | Path) -> Scenario:
-        """Raises ConfigError naming the key, also if a coordinator's file is at fault or nobody follows
+        """Raises ConfigError naming the key, also if a coordinator's file is at fault or no robot follows
         anybody."""
         file = Path(file)
         if not file.is_file():
@@ -45,7 +45,7 @@ class Scenario:
         except ValueError as error:
             raise ConfigError(f"{file}: {error}") from error
         if not robots:
-            raise ConfigError(f"{file}: robots: nobody follows anybody (no robot has a 'coordinator')")
+            raise ConfigError(f"{file}: robots: no robot follows another (none has a 'coordinator')")
         return cls(file, spec.name, spec.duration_s, spec.frame_rate_hz, robots)
 
     def robot(self, name: str | None = None) -> FollowingRobot:

@@ -78,9 +78,9 @@ def run_timed(
     drawn: DrawnObservations | None = None,
     change: Callable[[sim.Scenario], None] | None = None,
 ) -> TimedRun:
-    """Plays a shipped scenario. ``configure`` has the last word on the coordinator's configuration, which knows nothing
-    of ``timing`` and ``wheels``; ``on_answer`` gets the time [s] and the answer to each picture; ``change`` gets the
-    world's scenario."""
+    """Plays a shipped scenario. ``configure`` is applied last to the coordinator's configuration, which does not
+    contain ``timing`` and ``wheels``; ``on_answer`` gets the time [s] and the answer to each picture; ``change`` gets
+    the world's scenario."""
     scenario = Scenario.load(data.path(f"scenarios/{scenario_name}.yaml"))
     robot = scenario.robot()
     spec = _with_lag(sim.load_scenario(scenario.file), robot.name, wheels.lag_s)

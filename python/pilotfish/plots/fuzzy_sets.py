@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from pilotfish import fuzzy
 from pilotfish.plots.style import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, style
 
-# By name, so that a term and its opposite are told apart at one glance: blues are negative, reds positive.
+# By name, so that a term and its opposite are distinguished at one glance: blues are negative, reds positive.
 _COLOURS = {"NB": BLUE, "NM": SKY, "NS": GREEN, "NZ": "#777777", "ZE": "#000000", "PZ": "#000000"}
 _COLOURS |= {"PS": PURPLE, "PM": ORANGE, "PB": VERMILLION}
 _SAMPLES = 2001

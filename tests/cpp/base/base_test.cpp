@@ -133,7 +133,7 @@ TEST(StopLatch, IsEndedByAHigherCounterOfTheObeyedSessionOnly) {
   StopLatch latch;
   EXPECT_EQ(latch.receive({0, 0, false}, 5), LatchVerdict::stopped);  // anyone stops
   EXPECT_EQ(latch.receive({5, 1, true}, 0), LatchVerdict::other_session);
-  EXPECT_EQ(latch.receive({0, 1, true}, 0), LatchVerdict::other_session);  // nobody is no session
+  EXPECT_EQ(latch.receive({0, 1, true}, 0), LatchVerdict::other_session);  // 0 is no session
   EXPECT_EQ(latch.receive({5, kLast, false}, 5), LatchVerdict::stopped);   // uses its number up
   EXPECT_EQ(latch.receive({5, kLast, true}, 5), LatchVerdict::replayed);
   EXPECT_TRUE(latch.stopped());
@@ -146,12 +146,12 @@ TEST(WheelLimits, MakeAZeroOfWhatIsNoNumber) {
   for (double linear : values)
     for (double angular : values)
       for (double dt_s : values) {
-        const Twist told = limit({}, {}, {linear, angular}, {0.1, 0.1}, dt_s);
-        ASSERT_TRUE(is_finite(told)) << linear << " " << angular << " " << dt_s;
-        ASSERT_LE(std::abs(told.linear_mps), 0.7);
-        ASSERT_LE(std::abs(told.angular_radps), 2.5);
+        const Twist limited = limit({}, {}, {linear, angular}, {0.1, 0.1}, dt_s);
+        ASSERT_TRUE(is_finite(limited)) << linear << " " << angular << " " << dt_s;
+        ASSERT_LE(std::abs(limited.linear_mps), 0.7);
+        ASSERT_LE(std::abs(limited.angular_radps), 2.5);
         if (!std::isfinite(linear) && !std::isfinite(angular)) {
-          EXPECT_EQ(told, Twist{});
+          EXPECT_EQ(limited, Twist{});
         }
       }
 }
@@ -186,7 +186,8 @@ TEST(ControllerParser, HearsALineAfterAnyNoiseAndAsksForNoMemory) {
     for (int noise = 0; noise < 256; ++noise) {
       for (int i = 0; i < 100; ++i) parser.feed(static_cast<char>(noise));
       for (char byte : line)
-        if (const auto heard = parser.feed(byte)) lines += heard->encoders.left_ticks == -5 && heard->sequence == 3;
+        if (const auto received = parser.feed(byte))
+          lines += received->encoders.left_ticks == -5 && received->sequence == 3;
     }
   });
   EXPECT_EQ(lines, 256);

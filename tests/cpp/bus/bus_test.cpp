@@ -16,10 +16,10 @@ using namespace pilotfish::bus;
 
 // Handlers and subscriptions point into a Bus, so it stays where it is; so does what owns a socket or a file.
 static_assert(!std::is_copy_constructible_v<Bus> && !std::is_move_constructible_v<Bus>);
-static_assert(!std::is_move_assignable_v<Bus> && !std::is_move_constructible_v<LastWords>);
+static_assert(!std::is_move_assignable_v<Bus> && !std::is_move_constructible_v<FinalMessage>);
 static_assert(!std::is_move_constructible_v<LogReader>);
 static_assert(!std::is_convertible_v<std::string, Bus>);
-static_assert(noexcept(std::declval<const LastWords&>().send()));  // called by a signal handler
+static_assert(noexcept(std::declval<const FinalMessage&>().send()));  // called by a signal handler
 static_assert(std::is_base_of_v<std::runtime_error, BusError>);
 
 std::ptrdiff_t open_files() {
@@ -43,17 +43,17 @@ CommandReport command(std::int64_t counter) {
 
 TEST(Bus, HandsOnWhatAHandlerThrowsAndKeepsTheMessagesBehind) {
   Bus bus("memq://");
-  std::vector<std::int64_t> heard;
+  std::vector<std::int64_t> received;
   bus.on_command("robot1", [&](const CommandReport& report) {
-    heard.push_back(report.counter);
+    received.push_back(report.counter);
     if (report.counter == 1) throw std::domain_error("from a handler");
   });
   for (std::int64_t counter : {1, 2, 3}) bus.publish("robot1", command(counter));
   EXPECT_THROW(bus.handle(1000), std::domain_error);
-  EXPECT_EQ(heard, std::vector<std::int64_t>{1});
+  EXPECT_EQ(received, std::vector<std::int64_t>{1});
   while (bus.handle(100) > 0) {
   }
-  EXPECT_EQ(heard, (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_EQ(received, (std::vector<std::int64_t>{1, 2, 3}));
 }
 
 TEST(Bus, CannotBeHandledFromItsOwnHandler) {
@@ -67,44 +67,44 @@ TEST(Bus, CannotBeHandledFromItsOwnHandler) {
 
 TEST(Bus, PublishesNoNumberThatIsNone) {
   Bus bus("memq://");
-  std::optional<CommandReport> heard;
-  bus.on_command("robot1", [&](const CommandReport& report) { heard = report; });
+  std::optional<CommandReport> received;
+  bus.on_command("robot1", [&](const CommandReport& report) { received = report; });
   CommandReport report = command(1);
   report.command = {std::nan(""), 0.5};
   bus.publish("robot1", report);
   bus.handle(1000);
-  ASSERT_TRUE(heard.has_value());
-  EXPECT_EQ(heard->command, Twist{});  // both are zero: half a command is none
+  ASSERT_TRUE(received.has_value());
+  EXPECT_EQ(received->command, Twist{});  // both are zero: half a command is none
   EXPECT_EQ(bus.rejected().size(), 1U);
 }
 
-TEST(Bus, BelievesAStopOfAnotherKeyAndNoNumberInIt) {
+TEST(Bus, AcceptsAStopOfAnotherKeyAndNoNumberInIt) {
   Bus bus("memq://");
-  std::vector<SetpointReport> heard;
-  bus.on_setpoint("robot1", [&](const SetpointReport& report) { heard.push_back(report); });
+  std::vector<SetpointReport> received;
+  bus.on_setpoint("robot1", [&](const SetpointReport& report) { received.push_back(report); });
   bus.set_key(Key({1}));
   bus.publish("robot1", stop(7));  // encoded now, with this key; checked when it is handled, with the other one
   bus.set_key(Key({2}));
   bus.handle(1000);
   bus.publish("robot1", stop(8));
   bus.handle(1000);
-  ASSERT_EQ(heard.size(), 2U);
-  EXPECT_FALSE(heard[0].setpoint.run);
-  EXPECT_EQ(heard[0].counter, 0);
-  EXPECT_EQ(heard[1].counter, 8);
+  ASSERT_EQ(received.size(), 2U);
+  EXPECT_FALSE(received[0].setpoint.run);
+  EXPECT_EQ(received[0].counter, 0);
+  EXPECT_EQ(received[1].counter, 8);
 }
 
 TEST(Bus, AddsUpMoreThanAnInt64OfWhatDoesNotFit) {
   Bus bus("memq://");
-  std::optional<StatusReport> heard;
-  bus.on_status("robot1", [&](const StatusReport& report) { heard = report; });
+  std::optional<StatusReport> received;
+  bus.on_status("robot1", [&](const StatusReport& report) { received = report; });
   StatusReport report;
   const std::int64_t half = std::int64_t{1} << 62;  // two of them are 2^63
   for (int i = 100; i < 300; ++i) report.rejected["a_reason_to_refuse_" + std::to_string(i)] = half;
   bus.publish("robot1", report);
   bus.handle(1000);
-  ASSERT_TRUE(heard.has_value());
-  EXPECT_EQ(heard->rejected.at("others"), std::numeric_limits<std::int64_t>::max());
+  ASSERT_TRUE(received.has_value());
+  EXPECT_EQ(received->rejected.at("others"), std::numeric_limits<std::int64_t>::max());
 }
 
 TEST(Bus, ShowsWhatItPublishedToItsTap) {
@@ -144,17 +144,17 @@ TEST(Channel, IsOneWordOfUpTo63Letters) {
     EXPECT_THROW(channel(robot, "COMMAND"), ConfigError) << robot;
 }
 
-TEST(LastWords, SayNothingWhereThereIsNoNetwork) {
+TEST(FinalMessage, SendsNothingWithoutANetwork) {
   const auto before = open_files();
-  LastWords words("memq://", "ROBOT1_COMMAND", {1, 2, 3});
-  words.send();
+  FinalMessage message("memq://", "ROBOT1_COMMAND", {1, 2, 3});
+  message.send();
   EXPECT_EQ(open_files(), before);
 }
 
-TEST(LastWords, CloseTheirSocket) {
+TEST(FinalMessage, ClosesItsSocket) {
   const auto before = open_files();
   {
-    LastWords words("udpm://239.255.76.67:7667?ttl=0", "ROBOT1_COMMAND", {1, 2, 3});
+    FinalMessage message("udpm://239.255.76.67:7667?ttl=0", "ROBOT1_COMMAND", {1, 2, 3});
     EXPECT_EQ(open_files(), before + 1);
   }
   EXPECT_EQ(open_files(), before);

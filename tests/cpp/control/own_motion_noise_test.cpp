@@ -15,7 +15,7 @@ constexpr std::int64_t kPeriod_us = 33'333;
 constexpr double kPeriod_s = 1e-6 * kPeriod_us;
 
 /// After `frames` measurements with noise of `noise_m` of a leader that is `ahead_m` away at time t [s], by a robot
-/// whose place strays with `walk` [m per sqrt(s)]; every frame is lost with that probability.
+/// whose place drifts with `walk` [m per sqrt(s)]; every frame is lost with that probability.
 OwnMotionNoise learned(double noise_m, double walk, unsigned seed, const std::function<double(double)>& ahead_m,
                        int frames = 240, double lost = 0.0) {
   OwnMotionNoise learned;
@@ -79,7 +79,7 @@ TEST(OwnMotionNoise, KnowsTheTimesOfFramesThatWereLost) {
 TEST(OwnMotionNoise, IsBounded) { EXPECT_EQ(learned(2e-5, 0.05, 1, constant_speed).sigma(), OwnMotionNoise::kMax); }
 
 TEST(OwnMotionNoise, SaysNothingUntilEnoughIsKnown) {
-  const int needed = static_cast<int>(OwnMotionNoise::kFewest) + 18;  // the first sample takes 19 measurements
+  const int needed = static_cast<int>(OwnMotionNoise::kMinSamples) + 18;  // the first sample takes 19 measurements
   EXPECT_EQ(learned(2e-5, 1e-3, 3, constant_speed, needed - 1).sigma(), 0.0);
   EXPECT_GT(learned(2e-5, 1e-3, 3, constant_speed, needed).sigma(), 0.0);
 }

@@ -93,7 +93,7 @@ TEST(Checkpoint, SaysOfALongerTextThatItIsNotRead) {
   EXPECT_FALSE(reader.read_all());
 }
 
-TEST(Checkpoint, BelievesNoCountBeyondAListsCapacity) {
+TEST(Checkpoint, AcceptsNoCountBeyondAListsCapacity) {
   for (std::uint64_t count : {std::uint64_t{5}, std::numeric_limits<std::uint64_t>::max()}) {
     Bytes bytes;
     CheckpointWriter writer(bytes);

@@ -93,7 +93,7 @@ TEST(SequenceGuard, IsAtItsEndWithTheLargestCounter) {
   EXPECT_EQ(guard.last_counter(), kLast);
 }
 
-TEST(SequenceGuard, BelievesNobodyWithoutASession) {
+TEST(SequenceGuard, AcceptsNothingWithoutASession) {
   SequenceGuard guard;
   EXPECT_EQ(guard.accept(0, 1), SequenceVerdict::wrong_session);
   EXPECT_EQ(guard.last_counter(), 0);

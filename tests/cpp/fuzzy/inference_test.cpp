@@ -74,7 +74,7 @@ TEST(Inference, IsNoNumberWhereNothingWasMeasured) {
   for (double strength : infer(controller, std::nan(""), 0.0).strengths) EXPECT_EQ(strength, 0.0);
 }
 
-TEST(Inference, IsNoNumberWithoutAProof) {
+TEST(Inference, IsNoNumberWithoutValidation) {
   EXPECT_TRUE(std::isnan(infer(even_controller(), 0.0, 0.0).output));
   EXPECT_TRUE(std::isnan(infer(Controller{}, 0.0, 0.0).output));
 }
@@ -107,7 +107,7 @@ TEST(Controller, InfersTheSameInACopyAndAfterAMove) {
   EXPECT_EQ(infer(moved, 0.3, -0.2).output, output);
 }
 
-TEST(Controller, InfersTheSameAfterItsCopyIsProvedAnewWithOtherRules) {
+TEST(Controller, InfersTheSameAfterItsCopyIsValidatedAgainWithOtherRules) {
   const Controller original = validated_controller();
   const double output = infer(original, 0.9, 0.0).output;
   Controller other = original;
@@ -117,22 +117,22 @@ TEST(Controller, InfersTheSameAfterItsCopyIsProvedAnewWithOtherRules) {
   EXPECT_NE(infer(other, 0.9, 0.0).output, output);
 }
 
-TEST(Prove, LeavesNoProofBehindWhenItFails) {
+TEST(Validate, LeavesNoPlanBehindWhenItFails) {
   Controller controller = validated_controller();
   controller.error.terms.push_back({"E8", Triangle{0.5, 1.0, 1.5}});  // a ninth, for which there is no rule
   EXPECT_THROW(validate(controller), ValidationError);
   EXPECT_EQ(controller.plan, nullptr);
   EXPECT_TRUE(std::isnan(infer(controller, 1.0, 0.0).output));
-  EXPECT_TRUE(std::isnan(infer(controller, 1.0, 0.0, {0.1, 0.1}).output));  // a wide input touches every term
+  EXPECT_TRUE(std::isnan(infer(controller, 1.0, 0.0, {0.1, 0.1}).output));  // a non-singleton input overlaps every term
 }
 
-TEST(Prove, SaysWhichCellHasNoTerm) {
+TEST(Validate, SaysWhichCellHasNoTerm) {
   Controller controller = even_controller();
   controller.rules.consequents[2 * kPaperColumns + 5] = 7;  // U has the terms 0 to 6
   EXPECT_EQ(fault(controller), "rules.E2.EC5");
 }
 
-TEST(Prove, CountsTheCells) {
+TEST(Validate, CountsTheCells) {
   Controller controller = even_controller();
   controller.rules.consequents.pop_back();
   EXPECT_EQ(fault(controller), "rules");
@@ -140,7 +140,7 @@ TEST(Prove, CountsTheCells) {
   EXPECT_EQ(fault(controller), "rules");
 }
 
-TEST(Prove, SeesAGapBetweenTwoTerms) {
+TEST(Validate, FindsAGapBetweenTwoTerms) {
   Controller controller = even_controller();
   controller.error_change.terms[3].set = Triangle{-0.01, 0.0, 0.01};  // its neighbours end at 0
   EXPECT_EQ(fault(controller), "nowhere");                            // they cover it up to the peak
@@ -148,7 +148,7 @@ TEST(Prove, SeesAGapBetweenTwoTerms) {
   EXPECT_EQ(fault(controller), "EC.terms");
 }
 
-TEST(Prove, SeesATermOutsideTheUniverse) {
+TEST(Validate, SeesATermOutsideTheUniverse) {
   Controller controller = even_controller();
   controller.output.terms[6].set = Triangle{1.0, 2.0, 3.0};
   EXPECT_EQ(fault(controller), "U.terms.U6");

@@ -121,7 +121,7 @@ TEST(World, SaysWhichNameItDoesNotKnow) {
   EXPECT_THROW(world.state("nobody"), std::out_of_range);
   EXPECT_THROW(world.command("nobody", {}, 0.0), std::out_of_range);
   EXPECT_THROW(world.capture("leader"), std::out_of_range);   // has no camera
-  EXPECT_THROW(world.true_cMo("leader"), std::out_of_range);  // follows nobody
+  EXPECT_THROW(world.true_cMo("leader"), std::out_of_range);  // follows no robot
 }
 
 TEST(World, IsNotMadeOfAScenarioThatIsNotValid) {
@@ -137,7 +137,7 @@ TEST(Recording, HasNoRowOfARobotThatTheWorldDoesNotHave) {
   const World world(two_robots());
   std::ostringstream csv;
   EXPECT_THROW(write_recording_row(csv, world, "nobody", {}), std::out_of_range);
-  EXPECT_THROW(write_recording_row(csv, world, "leader", {}), std::out_of_range);  // follows nobody
+  EXPECT_THROW(write_recording_row(csv, world, "leader", {}), std::out_of_range);  // follows no robot
   EXPECT_EQ(csv.str(), "");
 }
 

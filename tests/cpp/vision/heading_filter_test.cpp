@@ -106,7 +106,7 @@ TEST(HeadingFilter, FollowsAHeadingThroughHalfATurn) {
   EXPECT_GT(std::abs(found.fused.pose.heading_rad), kPi - 0.02);
 }
 
-TEST(HeadingFilter, BelievesTheBetterSolutionByHalfOfWhatNoiseWouldSay) {
+TEST(HeadingFilter, TakesHalfOfTheLogLikelihoodRatioAsEvidence) {
   // Gaussian noise would say exp(-chi^2 / 2); half of that evidence counts: exp(-chi^2 / 4). With residuals of ten
   // times the variance that noise has (20 for two degrees of freedom) the difference counts a tenth; a smaller one is
   // luck. Where there are no degrees of freedom one is assumed. The two differ by 1 rad, which adds to the variance.

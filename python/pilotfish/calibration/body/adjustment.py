@@ -16,12 +16,12 @@ from pilotfish.calibration.body.turning import settle_flips
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
 
-FEWEST_FRAMES = 10
-MOST_ROUNDS = 8
+MIN_FRAMES = 10
+MAX_ROUNDS = 8
 OUTLIER_SIGMAS = 4.0  # RMS over a sighting's eight residuals: 16 times chi-squared's mean of 8
-SIGMA_FLOOR_PX = 0.005  # nobody sees better: below, nothing is an outlier
+SIGMA_FLOOR_PX = 0.005  # no detector is better: below, nothing is an outlier
 FIRST_ROBUST_SCALE_PX = 1.0
-MOST_UNFIT = 0.5  # share of a tag's sightings: above, it is the tag and not the pictures
+MAX_UNFIT = 0.5  # share of a tag's sightings: above, it is the tag and not the pictures
 
 
 @dataclass(frozen=True)
@@ -46,21 +46,21 @@ def adjust(camera: CameraModel, sightings: Sightings, reference_id: int) -> Adju
     usable = np.isfinite(errors_px).all(axis=1)
     enough = sightings.seen_together() if len(ids) > 1 else usable
     frames = len(np.unique(sightings.frame[enough & usable]))
-    if 0 < frames < FEWEST_FRAMES:  # without any, guess_layout says which tags were apart
+    if 0 < frames < MIN_FRAMES:  # without any, guess_layout says which tags were apart
         raise BodyLearningError(
             f"only {frames} frames "
             + ("show two tags at once" if len(ids) > 1 else "show the tag")
-            + f", {FEWEST_FRAMES} are needed: film for longer, turn more slowly, or use every frame (--every 1)"
+            + f", {MIN_FRAMES} are needed: film for longer, turn more slowly, or use every frame (--every 1)"
         )
     check_sizes_roughly(sightings, pairs)
     layout = guess_layout(ids, pairs, reference)
     here, (cMt, errors_px) = _select(sightings, (cMt, errors_px), usable)
     robust_px = FIRST_ROBUST_SCALE_PX
     size_warnings: tuple[str, ...] = ()
-    for round_number in range(MOST_ROUNDS):
+    for round_number in range(MAX_ROUNDS):
         if len(ids) > 1:
             cMr, _ = pose_frames(camera, here, cMt, layout)
-        else:  # no neighbour tells its two poses apart: the turning does
+        else:  # no neighbour resolves its two poses: the turning does
             cMr = settle_flips(cMt, errors_px)
         start = Estimate(cMr, layout, np.zeros(len(ids)))
         bundle = Bundle(camera, here, start, reference)
@@ -103,7 +103,7 @@ def _select(
 
 def _check_that_tags_are_rigid(all_sightings: Sightings, here: Sightings, fits: np.ndarray) -> None:
     seen, unfit = np.bincount(here.tag), np.bincount(here.tag, weights=~fits)
-    loose = all_sightings.ids[unfit > MOST_UNFIT * seen].tolist()
+    loose = all_sightings.ids[unfit > MAX_UNFIT * seen].tolist()
     if loose:
         raise BodyLearningError(_not_rigid(loose))
 

@@ -1,7 +1,7 @@
 """Where the body's base frame is, seen from the reference tag: bMr.
 
-Either somebody measured where that tag sits (``KnownTag``), or the robot turned in place (``TurningCentre``): then the
-turning axis is the base's z axis through its origin, which is what a follower steers by. What a turn cannot tell is
+Either it was measured where that tag sits (``KnownTag``), or the robot turned in place (``TurningCentre``): then the
+turning axis is the base's z axis through its origin, which is what a follower steers by. A turn cannot determine
 where forward is, and how high the ground: the reference tag's facing says the one, one measured height the other.
 """
 
@@ -16,7 +16,7 @@ from pilotfish.calibration.body.turning import TurningAxis, fit_turning_axis
 from pilotfish.core import BodyTag
 from pilotfish.errors import BodyLearningError
 
-LEAST_UPRIGHT = 0.2  # horizontal part of a tag's unit normal: a tag that looks up or down faces no direction
+MIN_UPRIGHT = 0.2  # horizontal part of a tag's unit normal: a tag that looks up or down faces no direction
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def base_from_reference(
     axis = fit_turning_axis(cMr, weights)
     outward = np.array([0.0, 0.0, -1.0])  # the tag's z axis points into the wall
     level = outward - (outward @ axis.up) * axis.up
-    if np.linalg.norm(level) < LEAST_UPRIGHT:
+    if np.linalg.norm(level) < MIN_UPRIGHT:
         raise BodyLearningError(
             "the reference tag looks up or down, so it does not show where forward is: choose another with "
             "--reference-tag ID"

@@ -21,13 +21,13 @@ from pilotfish.calibration.body.rigid import moved, right_jacobian, skew, transf
 from pilotfish.calibration.body.sightings import Sightings
 from pilotfish.core import CameraModel
 
-MOST_EVALUATIONS = 60  # it settles within 5 to 20; what takes longer does not fit, and will be refused
+MAX_EVALUATIONS = 60  # it settles within 5 to 20; what takes longer does not fit, and will be refused
 
 
 @dataclass(frozen=True)
 class Estimate:
     """cMr (N, 4, 4) of the frames, rMt (T, 4, 4) of the tags (the reference's is the identity), and by how much
-    each tag is larger than was said, log (T,)."""
+    each tag is larger than configured, log (T,)."""
 
     cMr: np.ndarray
     rMt: np.ndarray
@@ -128,5 +128,5 @@ class Bundle:
             xtol=1e-9,
             ftol=1e-9,
             gtol=1e-9,
-            max_nfev=MOST_EVALUATIONS,
+            max_nfev=MAX_EVALUATIONS,
         ).x

@@ -13,8 +13,8 @@ from pilotfish.calibration.body.single_pose import refine_poses
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
 
-FEWEST_COMMON = 3  # frames that join two tags
-LEAST_AGREEING = 0.5  # share of the voters: fewer, and the two move against each other
+MIN_COMMON = 3  # frames that join two tags
+MIN_AGREEING = 0.5  # share of the voters: fewer, and the two move against each other
 
 
 def guess_layout(ids: np.ndarray, pairs: list[Pair], reference: int) -> np.ndarray:
@@ -22,7 +22,7 @@ def guess_layout(ids: np.ndarray, pairs: list[Pair], reference: int) -> np.ndarr
 
     Raises BodyLearningError, with the groups, if some tags were never seen together with the others.
     """
-    joining = [pair for pair in pairs if pair.agreeing >= max(FEWEST_COMMON, LEAST_AGREEING * pair.voters)]
+    joining = [pair for pair in pairs if pair.agreeing >= max(MIN_COMMON, MIN_AGREEING * pair.voters)]
     tags = len(ids)
     # The tree with the most agreeing frames is the one with the least 1 / frames.
     rows, columns = [pair.a for pair in joining], [pair.b for pair in joining]
@@ -43,7 +43,7 @@ def _apart(groups: list[list[int]]) -> str:
     named = "; ".join("{" + ", ".join(map(str, group)) + "}" for group in groups)
     return (
         f"these groups of tags were never seen together, or move against each other: {named}. Film so that a tag of "
-        f"one and a tag of the other are in one picture for at least {FEWEST_COMMON} frames (turn more slowly, from a "
+        f"one and a tag of the other are in one picture for at least {MIN_COMMON} frames (turn more slowly, from a "
         "little farther away), put another tag between them, or name tags that are not on the robot with --ignore ID"
     )
 

@@ -35,7 +35,7 @@ class LearnedTag:
 
     @property
     def position_sigma_m(self) -> float:
-        """Of the distance from where it is said to be: the root of the sum over the three axes."""
+        """Of the distance from where the body has it: the root of the sum over the three axes."""
         return float(np.sqrt(np.trace(self.covariance[:3, :3])))
 
     @property
@@ -46,7 +46,7 @@ class LearnedTag:
 
 @dataclass(frozen=True)
 class LearnedBody:
-    """A body as pictures show it, and how far it is to be believed."""
+    """A body as pictures show it, with its uncertainty and warnings."""
 
     body: LeaderBody
     reference_id: int
@@ -98,51 +98,51 @@ def learn_body(
         name=name,
     )
     arc = turned_rad(axis, estimate.cMr) if axis else None
-    warnings = (*adjustment.size_warnings, *_doubts(adjustment, tags, axis, arc, base))
+    warnings = (*adjustment.size_warnings, *_warnings(adjustment, tags, axis, arc, base))
     frames = len(estimate.cMr)
     return LearnedBody(body, reference_id, frames, adjustment.rms_px, tags, axis, arc, warnings)
 
 
-def _doubts(
+def _warnings(
     adjustment: Adjustment,
     tags: tuple[LearnedTag, ...],
     axis: TurningAxis | None,
     arc_rad: float | None,
     base: Base,
 ) -> list[str]:
-    doubts = [
+    warnings = [
         f"tag {tag.id} was used in {tag.used} frames only: film it for longer"
         for tag in tags
         if tag.used < FEW_SIGHTINGS
     ]
-    doubts += [
+    warnings += [
         f"{tag.dropped} of {tag.used + tag.dropped} sightings of tag {tag.id} did not fit and were left "
         "out: is it flat, fixed, and not hidden in part?"
         for tag in tags
         if tag.dropped > MANY_DROPPED * (tag.used + tag.dropped)
     ]
     if adjustment.rms_px > LARGE_RMS_PX:
-        doubts.append(
+        warnings.append(
             f"the corners are off by {adjustment.rms_px:.2f} px (RMS): is the calibration this camera's, at this focus?"
         )
     if axis is not None and arc_rad is not None:
         if arc_rad < SMALL_TURN_RAD:
-            doubts.append(
+            warnings.append(
                 f"the frames cover {math.degrees(arc_rad):.0f} degrees of turning: a full turn finds the axis better"
             )
         if axis.wander_m > LARGE_WANDER_M:
-            doubts.append(
+            warnings.append(
                 f"the turning centre wandered by {axis.wander_m * 1e3:.0f} mm (RMS): turn more slowly, on firm "
                 "ground, with the camera still"
             )
         if axis.wobble_rad > LARGE_WOBBLE_RAD:
-            doubts.append(
+            warnings.append(
                 f"the turning axis wobbled by {math.degrees(axis.wobble_rad):.1f} degrees (RMS): is the ground "
                 "flat, the camera still?"
             )
         if isinstance(base, TurningCentre) and base.height_of is None:
-            doubts.append(
+            warnings.append(
                 f"heights are counted from tag {adjustment.sightings.ids[adjustment.reference]}'s centre: on level "
                 "ground distance and bearing do not need them; give one with --height-of ID=METRES"
             )
-    return doubts
+    return warnings

@@ -15,7 +15,7 @@ from pilotfish.calibration.body.sightings import UNIT_CORNERS, Sightings
 
 SIZE_FACTORS = np.exp(np.linspace(-np.log(4.0), np.log(4.0), 71))  # 4 % apart
 CLEARLY_LESS = 0.5
-MOST_VOTERS = 60  # frames a pair; more of them do not change a vote
+MAX_VOTERS = 60  # frames a pair; more of them do not change a vote
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def pairs_seen_together(sightings: Sightings, cMt: np.ndarray, errors_px: np.nda
         for b in range(a + 1, tags):
             common = place[(place[:, a] >= 0) & (place[:, b] >= 0)][:, [a, b]]
             if len(common):
-                voters = common[np.unique(np.linspace(0, len(common) - 1, MOST_VOTERS).astype(int))]
+                voters = common[np.unique(np.linspace(0, len(common) - 1, MAX_VOTERS).astype(int))]
                 sizes = sightings.sizes_m[[a, b]]
                 aMb, agreeing = _vote(cMt[voters[:, 0]], cMt[voters[:, 1]], *sizes)
                 larger_by = _size_factor(cMt[voters[::2, 0]], cMt[voters[::2, 1]])
@@ -82,6 +82,6 @@ def _size_factor(cMa: np.ndarray, cMb: np.ndarray) -> float:
         offers = np.einsum("kcji,kj->kci", R, factor * t_b - t_a)  # in a's frame, for each of a's two poses
         apart_m = np.linalg.norm(offers.reshape(-1, 1, 1, 3) - offers, axis=-1)
         spread.append(np.minimum(apart_m.min(axis=2), enough_m).sum(axis=1).min())
-    # A short turn hardly tells: then what was said stands.
+    # A short turn hardly determines it: then the configured size is kept.
     as_said, best = spread[len(SIZE_FACTORS) // 2], int(np.argmin(spread))
     return float(SIZE_FACTORS[best]) if spread[best] < CLEARLY_LESS * as_said else 1.0

@@ -12,7 +12,7 @@ from pilotfish.errors import BodyLearningError
 from pilotfish.vision import TagDetector, TagMeasurement, TagTracker
 
 MAX_TAGS = 12  # on one body
-FEWEST_SIGHTINGS = 3  # of an id; what is seen more rarely is a misreading
+MIN_SIGHTINGS = 3  # of an id; what is seen more rarely is a misreading
 # A tag's own frame: x right and y down as one reads it; corners from the bottom left, counter-clockwise.
 UNIT_CORNERS = np.array([[-0.5, 0.5, 0.0], [0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [-0.5, -0.5, 0.0]])
 
@@ -74,7 +74,7 @@ class Collected:
     sightings: Sightings
     frames_read: int
     frames_undecodable: int
-    rare_ids: tuple[int, ...]  # seen in fewer than FEWEST_SIGHTINGS frames, hence not accepted
+    rare_ids: tuple[int, ...]  # seen in fewer than MIN_SIGHTINGS frames, hence not accepted
 
 
 def collect_sightings(
@@ -92,7 +92,7 @@ def collect_sightings(
     Raises BodyLearningError: frames of another size than the calibration's, no tag, an id without a size.
     """
     detector = TagDetector(family)
-    trackers: dict[int, TagTracker] = {}  # of bodies with one tag: nobody knows yet which ids are on the robot
+    trackers: dict[int, TagTracker] = {}  # of bodies with one tag: which ids are on the robot is not known yet
     found: list[tuple[int, int, np.ndarray]] = []
     read = undecodable = 0
     for number, frame in enumerate(frames):
@@ -133,7 +133,7 @@ def collect_sightings(
 def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: int, undecodable: int) -> Collected:
     frame, tag_id = (np.array(column) for column in list(zip(*found, strict=True))[:2])
     ids, counts = np.unique(tag_id, return_counts=True)
-    rare = tuple(ids[counts < FEWEST_SIGHTINGS].tolist())
+    rare = tuple(ids[counts < MIN_SIGHTINGS].tolist())
     unknown = [i for i in ids.tolist() if i not in rare and sizes.of(i) is None]
     if unknown:
         raise BodyLearningError(
@@ -148,7 +148,7 @@ def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: in
     accepted = everything.where(~np.isin(tag_id, rare))
     if not len(accepted):
         raise BodyLearningError(
-            f"{_named(rare)}: seen in fewer than {FEWEST_SIGHTINGS} frames each, of {read}: film for longer"
+            f"{_named(rare)}: seen in fewer than {MIN_SIGHTINGS} frames each, of {read}: film for longer"
         )
     if len(accepted.ids) > MAX_TAGS:
         raise BodyLearningError(

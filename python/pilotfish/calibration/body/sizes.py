@@ -1,4 +1,4 @@
-"""Whether the sizes that were said fit together.
+"""Whether the configured sizes are consistent with each other.
 
 The pictures alone leave one scale free: all sizes and all distances may be multiplied by the same factor. But between
 the tags of one body they do say which is how much larger, through the parallax of its turning: first roughly, pair by
@@ -16,7 +16,7 @@ from pilotfish.calibration.body.sightings import Sightings
 from pilotfish.core import CameraModel
 from pilotfish.errors import BodyLearningError
 
-FEWEST_VOTERS = 6
+MIN_VOTERS = 6
 REFUSE_ROUGHLY_BEYOND = 0.15
 REFUSE_BEYOND = 0.03  # a wrong number; less is a ruler's error
 WARN_BEYOND = 0.005  # 0.8 mm of 0.16 m, and 6 mm at 1.2 m
@@ -25,9 +25,9 @@ ROBUST_SCALE_PX = 1.0
 
 
 def check_sizes_roughly(sightings: Sightings, pairs: list[Pair]) -> None:
-    """BodyLearningError if some tag is larger or smaller than was said by more than 15 %."""
+    """BodyLearningError if some tag is larger or smaller than configured by more than 15 %."""
     tags = len(sightings.ids)
-    pairs = [pair for pair in pairs if pair.voters >= FEWEST_VOTERS]
+    pairs = [pair for pair in pairs if pair.voters >= MIN_VOTERS]
     rows, logs = np.zeros((len(pairs) + 1, tags)), np.zeros(len(pairs) + 1)
     for k, pair in enumerate(pairs):
         weight = np.sqrt(pair.voters)
@@ -38,7 +38,7 @@ def check_sizes_roughly(sightings: Sightings, pairs: list[Pair]) -> None:
 
 
 def check_sizes(camera: CameraModel, sightings: Sightings, estimate: Estimate, reference: int) -> tuple[str, ...]:
-    """Warnings about tags that are larger or smaller than was said; BodyLearningError if by more than 3 %."""
+    """Warnings about tags that are larger or smaller than configured; BodyLearningError if by more than 3 %."""
     log_scale, sigma = _measured(camera, sightings, estimate, reference)
     return _check(sightings, log_scale, sigma, REFUSE_BEYOND, reference)
 
@@ -46,29 +46,29 @@ def check_sizes(camera: CameraModel, sightings: Sightings, estimate: Estimate, r
 def _check(
     sightings: Sightings, log_scale: np.ndarray, sigma: np.ndarray, refuse_beyond: float, reference: int
 ) -> tuple[str, ...]:
-    # Whose size is wrong if they do not fit? Most are right: the median tag is. Of two, neither can be blamed.
+    # Whose size is wrong if they do not fit? Most are right: the median tag is. Of two, neither can be identified.
     two = len(log_scale) == 2
     wrong_by = np.exp(log_scale - (log_scale[reference] if two else np.median(log_scale))) - 1.0
     certain = np.abs(wrong_by) > SIGMAS * sigma
-    said = [
-        f"tag {tag_id}: {size:.4g} m was said, it looks like {size * (1.0 + wrong):.3g} m"
+    findings = [
+        f"tag {tag_id}: {size:.4g} m configured, {size * (1.0 + wrong):.3g} m measured"
         for tag_id, size, wrong in zip(sightings.ids, sightings.sizes_m, wrong_by, strict=True)
     ]
     refused = np.flatnonzero(certain & (np.abs(wrong_by) > refuse_beyond))
     if len(refused):
         raise BodyLearningError(
             "the sizes do not fit together; "
-            + "; ".join(said[k] for k in refused)
+            + "; ".join(findings[k] for k in refused)
             + (f" if tag {sightings.ids[reference]}'s is right" if two else " if most others are right")
             + ". Measure the sides of the black squares and give them with --tag-size ID=METRES"
         )
-    return tuple(said[k] for k in np.flatnonzero(certain & (np.abs(wrong_by) > WARN_BEYOND)))
+    return tuple(findings[k] for k in np.flatnonzero(certain & (np.abs(wrong_by) > WARN_BEYOND)))
 
 
 def _measured(
     camera: CameraModel, sightings: Sightings, estimate: Estimate, reference: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """log of the measured over the said size (T,), the reference's being 0, and its standard deviation (T,)."""
+    """log of the measured over the configured size (T,), the reference's being 0, and its standard deviation (T,)."""
     others = np.array([tag for tag in range(len(sightings.ids)) if tag != reference], dtype=int)
     log_scale, sigma = np.zeros(len(sightings.ids)), np.zeros(len(sightings.ids))
     if not len(others):

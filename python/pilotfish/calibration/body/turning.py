@@ -12,9 +12,9 @@ import numpy as np
 
 from pilotfish.errors import BodyLearningError
 
-LEAST_TURN = 0.98  # length of the mean of exp(i angle): an even turn by 40 degrees; more, and the axis is a guess
-FEWEST_CLEAR = 5  # frames whose pose is beyond doubt, to begin with
-MOST_TILT = 0.6  # the camera's down axis against the turning axis: some 50 degrees
+MIN_TURN = 0.98  # length of the mean of exp(i angle): an even turn by 40 degrees; more, and the axis is a guess
+MIN_CLEAR = 5  # frames whose pose is unambiguous, to begin with
+MAX_TILT = 0.6  # the camera's down axis against the turning axis: some 50 degrees
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ def fit_turning_axis(cMr: np.ndarray, weights: np.ndarray | None = None) -> Turn
     mean_R = np.einsum("n,nij->ij", weights, R)
     left, lengths, right = np.linalg.svd(mean_R)
     m, n = left[:, 0], right[0]
-    if lengths[1] > LEAST_TURN:
+    if lengths[1] > MIN_TURN:
         raise BodyLearningError(
             "the robot hardly turned over the frames that can be used (those that show two tags, if it wears several): "
             "let it turn in place, by a quarter of a turn or more, with two tags in view, or give the reference tag's "
             "place on the robot with --reference-position"
         )
-    if abs(m[1]) < MOST_TILT:
+    if abs(m[1]) < MAX_TILT:
         raise BodyLearningError(
             "the turning axis lies across the picture: keep the camera still and upright while the robot turns in "
             "place, or give the reference tag's place on the robot with --reference-position"
@@ -81,7 +81,7 @@ def settle_flips(cMt: np.ndarray, errors_px: np.ndarray) -> np.ndarray:
     """
     everyone, chosen = np.arange(len(cMt)), np.zeros(len(cMt), dtype=int)
     clear = errors_px[:, 1] > 2.0 * errors_px[:, 0]
-    weights = np.where(clear, 1.0, 1e-3 if clear.sum() >= FEWEST_CLEAR else 1.0)
+    weights = np.where(clear, 1.0, 1e-3 if clear.sum() >= MIN_CLEAR else 1.0)
     for _ in range(10):
         axis = fit_turning_axis(cMt[everyone, chosen], weights)
         lean = np.linalg.norm(cMt[..., :3, :3] @ axis.up - axis.up_c, axis=-1)

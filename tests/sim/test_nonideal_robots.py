@@ -1,4 +1,4 @@
-"""What a robot and a camera do that nobody tells the coordinator: each alone, against what it should be."""
+"""Errors of robot and camera that are not in the coordinator's configuration: each alone, against what it should be."""
 
 import math
 
@@ -25,7 +25,7 @@ def driven(twist, duration_s=1.0, **drive):
     return robot.state
 
 
-def test_gains_are_the_share_of_what_was_told():
+def test_gains_are_the_share_of_what_was_commanded():
     straight = driven(Twist(linear_mps=0.5), 2.0, linear_gain=1.02)
     assert straight.pose.x_m == pytest.approx(1.02, abs=1e-3)  # a ramp of 0.5 ms at the start
     assert straight.twist.linear_mps == pytest.approx(0.51)
@@ -34,7 +34,7 @@ def test_gains_are_the_share_of_what_was_told():
 
 
 @pytest.mark.parametrize(
-    ("told", "done"),
+    ("commanded", "done"),
     [
         # Wheels at 0.2 -+ 0.15 w: to the nearest 0.1 m/s. v is their mean, w their difference over 0.3 m.
         ((0.23, 0.0), (0.2, 0.0)),
@@ -44,8 +44,10 @@ def test_gains_are_the_share_of_what_was_told():
         ((0.04, 0.0), (0.0, 0.0)),
     ],
 )
-def test_a_wheel_turns_in_steps(told, done):
-    twist = driven(Twist(linear_mps=told[0], angular_radps=told[1]), wheel_step_mps=0.1, track_width_m=0.3).twist
+def test_a_wheel_turns_in_steps(commanded, done):
+    twist = driven(
+        Twist(linear_mps=commanded[0], angular_radps=commanded[1]), wheel_step_mps=0.1, track_width_m=0.3
+    ).twist
     assert (twist.linear_mps, twist.angular_radps) == pytest.approx(done)
 
 
@@ -113,7 +115,7 @@ def direction_deg(world):
     return np.degrees([math.atan2(x, z), math.atan2(y, z)])
 
 
-def test_a_crooked_camera_sees_the_leader_elsewhere_than_its_mounting_says():
+def test_a_misaligned_camera_sees_the_leader_elsewhere_than_configured():
     straight = direction_deg(world_of())
     right, down = direction_deg(world_of(pan_error_rad=math.radians(0.5))) - straight
     assert (right, down) == pytest.approx((0.5, 0.0), abs=0.01)  # it looks to the left of where it should
@@ -163,25 +165,25 @@ def test_a_command_cannot_act_before_its_picture():
 
 def test_any_scenario_can_be_played_with_any_hardware():
     eight = sim.load_scenario(shipped.path("scenarios/figure_eight.yaml"))
-    worn = sim.with_hardware(eight, shipped.path("hardware/honest.yaml"))
+    worn = sim.with_hardware(eight, shipped.path("hardware/nonideal.yaml"))
     assert (eight.robot("robot1").drive.slip, worn.robot("robot1").drive.slip) == (0.0, 0.02)
-    line = sim.load_scenario(shipped.path("scenarios/line_honest.yaml")).robot("robot1")
+    line = sim.load_scenario(shipped.path("scenarios/line_nonideal.yaml")).robot("robot1")
     assert worn.robot("robot1").drive.wheel_step_mps == line.drive.wheel_step_mps
     assert worn.robot("robot1").camera.imperfections.gamma == line.camera.imperfections.gamma
     with pytest.raises(ValueError, match="cannot read"):
         sim.with_hardware(eight, "nowhere.yaml")
 
 
-def test_an_honest_robot_is_followed_and_its_crooked_camera_is_seen_in_the_bearing():
+def test_a_nonideal_robot_is_followed_and_its_camera_misalignment_shows_in_the_bearing():
     """anticipate: on an ideal robot 0.0 mm and 0.00 degrees. Here the camera looks 0.5 degrees to the left of where its
-    mounting says, which nobody can see from within; its focal length and tilt cost some millimetres."""
-    result = run_experiment(LINE.on_honest_robot(), "anticipate", "in-process", duration_s=16.0)
+    mounting says, which is not observable in its pictures; its focal length and tilt cost some millimetres."""
+    result = run_experiment(LINE.on_nonideal_robot(), "anticipate", "in-process", duration_s=16.0)
     metrics = result.metrics
     assert metrics.frames_detected_ratio == 1.0
     assert metrics.settling_time_s < 5.0
     assert abs(metrics.steady_state_error_m) < 0.010
     assert metrics.mean_bearing_error_deg == pytest.approx(0.5, abs=0.1)
     # From 10 s on the leader is followed at constant speed. Slip and wheel steps made 5.9 m/s3 of that before the robot
-    # learned how far it strays; a command that scatters by 0.3 mm/s has 0.3e-3 x sqrt(6) x 30^2 = 0.7.
+    # learned its drift; a command that scatters by 0.3 mm/s has 0.3e-3 x sqrt(6) x 30^2 = 0.7.
     steady_mps = result.recording.command_linear_mps[300:]
     assert np.sqrt(np.mean((np.diff(steady_mps, 2) * 30.0**2) ** 2)) < 1.5

@@ -13,14 +13,14 @@ namespace pilotfish::bus {
 
 /// One message, encoded in advance, that a crashing process can still send: from a signal handler or
 /// std::terminate, where neither allocation nor locks are allowed.
-class LastWords {
+class FinalMessage {
  public:
   /// A whole LCM datagram for a udpm:// URL; with any other provider send() does nothing. Throws BusError if the URL is
   /// wrong or there is no socket.
-  LastWords(const std::string& url, const std::string& channel, const std::vector<std::uint8_t>& message);
-  ~LastWords();
-  LastWords(const LastWords&) = delete;
-  LastWords& operator=(const LastWords&) = delete;
+  FinalMessage(const std::string& url, const std::string& channel, const std::vector<std::uint8_t>& message);
+  ~FinalMessage();
+  FinalMessage(const FinalMessage&) = delete;
+  FinalMessage& operator=(const FinalMessage&) = delete;
 
   /// Async-signal-safe: sendto(2) and nothing else, three times, because a datagram may be lost.
   void send() const noexcept;

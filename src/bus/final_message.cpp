@@ -1,4 +1,4 @@
-#include "pilotfish/bus/last_words.hpp"
+#include "pilotfish/bus/final_message.hpp"
 
 #include <arpa/inet.h>
 #include <sys/socket.h>
@@ -13,7 +13,8 @@
 
 namespace pilotfish::bus {
 
-LastWords::LastWords(const std::string& url, const std::string& channel, const std::vector<std::uint8_t>& message) {
+FinalMessage::FinalMessage(const std::string& url, const std::string& channel,
+                           const std::vector<std::uint8_t>& message) {
   const auto multicast = parse_multicast_url(url);
   if (!multicast) return;
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -33,11 +34,11 @@ LastWords::LastWords(const std::string& url, const std::string& channel, const s
   datagram_.insert(datagram_.end(), message.begin(), message.end());
 }
 
-LastWords::~LastWords() {
+FinalMessage::~FinalMessage() {
   if (socket_ >= 0) ::close(socket_);
 }
 
-void LastWords::send() const noexcept {
+void FinalMessage::send() const noexcept {
   if (socket_ < 0) return;
   const auto* address = reinterpret_cast<const sockaddr*>(&address_);
   for (int i = 0; i < 3; ++i) ::sendto(socket_, datagram_.data(), datagram_.size(), 0, address, sizeof address_);

@@ -1,4 +1,4 @@
-"""What the receivers answer, and when the kernel got it: with the ear's own scheduling nowhere in it."""
+"""The programs' answers, and when the kernel received them: independent of the receiver's own scheduling."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ONLY_SHORT = b"".join(
 
 
 @dataclass
-class Heard:
+class Received:
     """Of one bus, by the picture's utime."""
 
     answers_ns: dict[int, int] = field(default_factory=dict)  # wall clock, by the kernel
@@ -52,7 +52,7 @@ class Heard:
             self.looked_ms.append(status_t.decode(data).processing_ms)
 
 
-class Ear:
+class Receiver:
     """On the bus of one receiver."""
 
     def __init__(self, url: str) -> None:
@@ -69,7 +69,7 @@ class Ear:
         self._socket.setsockopt(
             socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + socket.inet_aton("0.0.0.0")
         )
-        self.heard = Heard()
+        self.received = Received()
 
     def fileno(self) -> int:
         return self._socket.fileno()
@@ -87,4 +87,4 @@ class Ear:
             stamps = [data for level, kind, data in extras if (level, kind) == (socket.SOL_SOCKET, _SO_TIMESTAMPNS)]
             seconds, nanoseconds = struct.unpack("@qq", stamps[0])
             channel, _, payload = datagram[8:].partition(b"\0")  # behind the magic and the number
-            self.heard.take(channel.decode("ascii"), payload, seconds * 1_000_000_000 + nanoseconds)
+            self.received.take(channel.decode("ascii"), payload, seconds * 1_000_000_000 + nanoseconds)

@@ -1,4 +1,4 @@
-#include "last_words.hpp"
+#include "stop_on_fault.hpp"
 
 #include <termios.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ std::atomic<int> line_descriptor{-1};
 std::array<char, 64> zero_line{};
 std::size_t zero_size = 0;
 
-void say_zero() {
+void write_zero() {
   const int descriptor = line_descriptor.load();
   if (descriptor < 0) return;
   tcflush(descriptor, TCOFLUSH);
@@ -27,12 +27,12 @@ void say_zero() {
 
 }  // namespace
 
-void prepare_last_words() {
+void prepare_stop_on_fault() {
   const base::SetPointLine line(0, {});
   zero_size = line.text().copy(zero_line.data(), zero_line.size());
-  on_fault(say_zero);
+  on_fault(write_zero);
 }
 
-void last_words_to(int descriptor) noexcept { line_descriptor = descriptor; }
+void set_stop_on_fault_line(int descriptor) noexcept { line_descriptor = descriptor; }
 
 }  // namespace pilotfish::apps
