@@ -58,7 +58,7 @@ COMMANDS = {
     "tune": ["tune", "pid", number("--trials", "1"), number("--seed", "1"), write("pid.yaml", "--out")],
     "learn-body": [
         "learn-body",
-        Slot("read", "{film}"),
+        Slot("read", "{video}"),
         read(CALIBRATION, "--camera"),
         number("--tag-size", "0.16"),
         number("--every", "1"),
@@ -70,7 +70,7 @@ COMMANDS = {
     ],
     "learn-body of one size": [
         "learn-body",
-        "{film}",
+        "{video}",
         *("--camera", CALIBRATION, "--output", "{tmp}/leader.yaml"),
         number("--tag-size", "0=0.16"),
         number("--height-of", "0=0.16"),
@@ -166,7 +166,7 @@ def cases():
 
 
 def line(command, here, tmp, place=None, wrong=None):
-    """The words of a command; at ``place`` with what is ``wrong`` there. ``here`` says what {film} and {run} are."""
+    """The words of a command; at ``place`` with what is ``wrong`` there. ``here`` says what {video} and {run} are."""
     words = []
     for at, word in enumerate(COMMANDS[command]):
         slot = word if isinstance(word, Slot) else Slot("", word)

@@ -22,7 +22,7 @@ WITHIN_S = 60.0
 
 @pytest.fixture(scope="module")
 def here(tmp_path_factory):
-    """What the command lines need: a recording, and a film in which there is nothing to see."""
+    """What the command lines need: a recording, and a video in which there is nothing to see."""
     folder = tmp_path_factory.mktemp("here")
     exponential_run().to_csv(folder / "run.csv")
     (folder / "video").mkdir()
