@@ -120,7 +120,11 @@ function(pilotfish_closure wanted result)
   foreach(module IN LISTS wanted)
     if(NOT module IN_LIST modules)
       list(JOIN modules ", " there_is)
-      message(FATAL_ERROR "PILOTFISH_COMPONENTS: there is no '${module}'; choose from ${there_is}")
+      set(hint)
+      if(module MATCHES ",")
+        set(hint " (names are separated by semicolons: \"fuzzy;vision\")")
+      endif()
+      message(FATAL_ERROR "PILOTFISH_COMPONENTS: there is no '${module}'${hint}; choose from ${there_is}")
     endif()
   endforeach()
   set(closure)  # a list of that name may be in the scope of a project that includes this one; so below
@@ -177,6 +181,10 @@ function(pilotfish_add_library module)
                                   PRIVATE ${private_targets} $<BUILD_INTERFACE:pilotfish_warnings>)
   if("lcm" IN_LIST PRIVATE)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:pilotfish_lcmtypes>)
+  endif()
+  # A part of a unity build, where one is asked for, shall compile within 20 seconds; the sources of vision are heavy.
+  if(module STREQUAL "vision")
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 2)
   endif()
   # Before 1.0 every minor version may change the interface, so the name of the shared library carries it.
   # Shared, they find each other in the folder that they are installed in.

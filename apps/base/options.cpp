@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "exit_codes.hpp"
+#include "usage_errors.hpp"
 #include "version.hpp"
 
 namespace pilotfish::apps {
@@ -29,7 +30,7 @@ names the key). The keys of the configuration: pilotfish-base --describe-config)
 
 ParsedBaseOptions parse_base_options(int argc, char** argv) {
   BaseOptions options;
-  CLI::App app{"Drives the wheels on one coordinator's commands, and stops them when these end."};
+  CLI::App app{"Drives the wheels on one coordinator's commands, and stops them when these end.", "pilotfish-base"};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-base ") + kVersion, "print the version and end");
   add_config_options(app, options, "data/config/base.yaml");
@@ -40,8 +41,7 @@ ParsedBaseOptions parse_base_options(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return {options, code == 0 ? kOk : kUsage};
+    return {options, answer_usage(app, error)};
   }
   return {options, std::nullopt};
 }

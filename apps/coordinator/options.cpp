@@ -5,6 +5,7 @@
 
 #include "exit_codes.hpp"
 #include "pilotfish/control/follower.hpp"
+#include "usage_errors.hpp"
 #include "version.hpp"
 
 namespace pilotfish::apps {
@@ -53,7 +54,8 @@ SourceSpec parse_source(const std::string& text) {
 ParsedOptions parse_options(int argc, char** argv) {
   Options options;
   for (int i = 0; i < argc; ++i) options.command_line += (i == 0 ? "" : " ") + std::string(argv[i]);
-  CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM."};
+  CLI::App app{"Follows a leader robot by sight: sees its AprilTags, keeps distance and bearing, commands over LCM.",
+               "pilotfish-coordinator"};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-coordinator ") + kVersion, "print the version and end");
   add_config_options(app, options, "data/config/coordinator.yaml");
@@ -83,10 +85,9 @@ ParsedOptions parse_options(int argc, char** argv) {
     app.parse(argc, argv);
     if (options.source) parse_source(*options.source);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return {options, code == 0 ? kOk : kUsage};
+    return {options, answer_usage(app, error)};
   } catch (const std::invalid_argument& error) {
-    std::cerr << "--source: " << error.what() << "\n";
+    std::cerr << app.get_name() << ": --source: " << error.what() << "\n";
     return {options, kUsage};
   }
   return {options, std::nullopt};

@@ -6,6 +6,7 @@
 
 #include "exit_codes.hpp"
 #include "pilotfish/core/number.hpp"
+#include "usage_errors.hpp"
 #include "version.hpp"
 
 namespace pilotfish::apps {
@@ -50,7 +51,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   SimOptions options;
   bool lockstep = false;
   std::string driven_by = "coordinator";
-  CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus."};
+  CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus.", "pilotfish-sim"};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-sim ") + kVersion, "print the version and end");
   app.add_option("--scenario", options.scenario_path, "what to play, e.g. data/scenarios/line.yaml")->required();
@@ -82,8 +83,7 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
     if (options.driven_by_base && !options.real_time)
       throw CLI::ValidationError("--drive-by base", "needs --realtime: a base answers to the clock, not to pictures");
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return {options, code == 0 ? kOk : kUsage};
+    return {options, answer_usage(app, error)};
   }
   return {options, std::nullopt};
 }

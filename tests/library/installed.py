@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 from build_tree import ROOT, one_at_a_time, run
@@ -15,6 +16,7 @@ PREFIX = ROOT / "build" / "installed"
 def prefix() -> Path:
     """Where the library of this build is installed."""
     with one_at_a_time(PREFIX):
+        shutil.rmtree(PREFIX / "include", ignore_errors=True)  # or headers of yesterday stay
         run("cmake", "--install", BUILD, "--prefix", PREFIX, "--component", "development")
     return PREFIX
 
