@@ -1,4 +1,4 @@
-"""A wrong command line of the C++ programs: one line with the program's name and what may be meant, then where help is."""
+"""A wrong command line of a C++ program: one line with its name and what may be meant, then where help is."""
 
 import subprocess
 
@@ -20,7 +20,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("program", "arguments", "said"), CASES, ids=[" ".join(case[1]) or "nothing" for case in CASES])
+@pytest.mark.parametrize(("program", "arguments", "said"), CASES, ids=[" ".join(case[1]) or "-" for case in CASES])
 def test_a_wrong_command_line_is_answered_with_what_may_be_meant(program, arguments, said):
     done = subprocess.run([find_executable(program), *arguments], check=False, capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (64, "")

@@ -55,7 +55,8 @@ def test_a_number_with_a_zero_in_front_is_not_guessed_at(folder, line, slip, key
 )
 def test_what_is_no_number_is_refused_with_what_may_be_meant(folder, written, said):
     break_file(folder / "config/line.yaml", r"  distance_m: 1\.10", f"  distance_m: {written}")
-    assert refusal(coordinator.load_coordinator, folder / "config/line.yaml").startswith(f"setpoint.distance_m: {said} (")
+    whole = refusal(coordinator.load_coordinator, folder / "config/line.yaml")
+    assert whole.startswith(f"setpoint.distance_m: {said} (")
 
 
 def test_a_tab_in_front_of_a_line_is_named(folder):

@@ -140,7 +140,7 @@ def test_a_setpoint_that_cannot_be_kept_is_refused_by_its_key(key, number):
     [
         (lambda: setattr(control.LimitsConfig(), "max_linear_mps", None), "LimitsConfig.max_linear_mps: None is not a"),
         (lambda: core.BodyTag(id="0"), "BodyTag.id: '0' is not a whole number"),
-        (lambda: core.CameraMounting(position_m=[0, 0]), "CameraMounting.position_m: [0, 0] is not a sequence of three"),
+        (lambda: core.CameraMounting(position_m=[0, 0]), "CameraMounting.position_m: [0, 0] is not a sequence"),
         (lambda: setattr(core.Setpoint(), "run", "yes"), "Setpoint.run: 'yes' is not True or False"),
     ],
 )
