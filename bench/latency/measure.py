@@ -67,7 +67,7 @@ class Delays:
 class _Arm:
     def __init__(self, receiver: str, picture: str, pictures: list[bytearray], url: str) -> None:
         self.receiver, self.picture = receiver, picture
-        self.receiver, self._out, self._pictures = Receiver(url), lcm.LCM(url), pictures
+        self.answers, self._out, self._pictures = Receiver(url), lcm.LCM(url), pictures
         self._sent_ns: dict[int, int] = {}
         self._first_ms = 0.0
 
@@ -83,14 +83,14 @@ class _Arm:
         """What was received so far is forgotten, but for the first answer."""
         self._first_ms = next(iter(self._answered()), math.inf)
         self._sent_ns.clear()
-        self.receiver.received = Received()
+        self.answers.received = Received()
 
     def _answered(self) -> list[float]:
-        answers_ns = self.receiver.received.answers_ns
+        answers_ns = self.answers.received.answers_ns
         return [(answers_ns[utime] - sent_ns) * 1e-6 for utime, sent_ns in self._sent_ns.items() if utime in answers_ns]
 
     def delays(self) -> Delays:
-        received, found = self.receiver.received, self._answered()
+        received, found = self.answers.received, self._answered()
         return Delays(
             self.receiver,
             self.picture,
@@ -118,7 +118,7 @@ def measure(condition: Condition, frames: int, bare_transport: Path) -> list[Del
                 child = stack.enter_context(Child([*_on(condition.receiver_cores), *command, url], Path(folder), name))
                 child.wait_until(lambda child=child: "ready" in child.stdout(), 20.0, "being ready")
                 arms.append(_Arm(receiver, picture, pictures[picture], url))
-                stack.callback(arms[-1].receiver.close)
+                stack.callback(arms[-1].answers.close)
         stack.enter_context(_on_cores(condition.sender_cores))
         stack.callback(real_time, 0)
         real_time(SENDER_PRIORITY)
@@ -146,7 +146,7 @@ def moving_leader() -> dict[str, list[bytearray]]:
 def _show(arms: list[_Arm], frames: int) -> None:
     """To every arm at the camera's rate, without a pause behind the first ones. A turn that comes late moves the later
     ones; nothing is made up for."""
-    receivers = {arm.receiver.fileno(): arm.receiver for arm in arms}
+    receivers = {arm.answers.fileno(): arm.answers for arm in arms}
     turn_s = 1.0 / RATE_HZ / len(arms)
     due_s = time.monotonic()
     for number in range(WARM_UP + frames):
