@@ -16,7 +16,7 @@ import numpy as np
 import yaml
 
 from pilotfish import control, coordinator, data, sim
-from pilotfish.errors import MissingPackageError
+from pilotfish.extras import require
 from pilotfish.harness.drawn_observations import DrawnObservations
 from pilotfish.harness.driving import Driving
 from pilotfish.harness.in_process import run_in_process
@@ -194,14 +194,11 @@ def current_parameters(name: str) -> dict[str, float]:
 def tune(name: str, trials: int, seed: int, on_trial: Callable[[int, int], None] | None = None) -> Tuned:
     """A seeded search with Optuna's TPE; the first trial is what the configuration says. The same seed gives the same
     result."""
-    try:
-        import optuna
-    except ModuleNotFoundError as error:
-        raise MissingPackageError("tuning needs Optuna: pip install 'pilotfish[tune]'") from error
+    optuna = require("optuna", "tune")
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     trial_cost, start = Trial(name, seed), current_parameters(name)
 
-    def objective(trial: optuna.Trial) -> float:
+    def objective(trial: Any) -> float:
         parameters = {
             key: trial.suggest_float(key, span.low, span.high, log=True) for key, span in search_ranges(name).items()
         }
