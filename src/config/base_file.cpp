@@ -20,12 +20,12 @@ BaseFile parse_base(const TextFile& text) {
   YamlSection root = YamlSection::parse(text);
   BaseFile file;
   file.name = root.text("name");
-  check_robot_name(file.name, "name");
-  if (root.optional("driver")) file.driver = driver_from(root.text("driver"));
+  root.naming_file([&] { check_robot_name(file.name, "name"); });
+  if (root.optional("driver")) file.driver = root.naming_file([&] { return driver_from(root.text("driver")); });
   if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   root.read_tree(file.base);
   root.finish();
-  base::Base::check(file.base);
+  root.naming_file([&] { base::Base::check(file.base); });
   if (file.driver.kind == WheelDriver::Kind::serial && !root.has("wheels"))
     throw root.error("wheels", "is missing: what turns real wheels must know their size");
   return file;

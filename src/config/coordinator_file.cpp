@@ -53,6 +53,20 @@ void check_black_box(const YamlSection& root, const BlackBoxConfig& config) {
                                              std::to_string(config.segment_mb) + " MB at least");
 }
 
+/// What is chosen by name.
+void read_names(YamlSection& root, CoordinatorFile& file) {
+  control::FollowerConfig& control = file.coordinator.control;
+  file.name = root.text("name");
+  check_robot_name(file.name, "name");
+  if (root.optional("source")) file.source = root.text("source");
+  if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
+  if (root.optional("leader_intent_from"))
+    file.leader_intent_from = leader_intent_from(root.text("leader_intent_from"));
+  if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
+  if (root.optional("law")) control::set_active_law(control, root.text("law"));
+  if (root.optional("profile")) control.profile = control::profile_from(root.text("profile"));
+}
+
 }  // namespace
 
 std::string leader_intent_from(const std::string& name) {
@@ -84,15 +98,7 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   CoordinatorFile file;
   CoordinatorConfig& config = file.coordinator;
 
-  file.name = root.text("name");
-  check_robot_name(file.name, "name");
-  if (root.optional("source")) file.source = root.text("source");
-  if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
-  if (root.optional("leader_intent_from"))
-    file.leader_intent_from = leader_intent_from(root.text("leader_intent_from"));
-  if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
-  if (root.optional("law")) control::set_active_law(config.control, root.text("law"));
-  if (root.optional("profile")) config.control.profile = control::profile_from(root.text("profile"));
+  root.naming_file([&] { read_names(root, file); });
   if (root.optional("frame_rate_hz"))
     file.frame_rate_hz = root.number("frame_rate_hz", kMinFrameRate_hz, kMaxFrameRate_hz);
   config.control.velocity.control_period_s = 1.0 / file.frame_rate_hz;

@@ -21,7 +21,7 @@ LeaderBody parse_leader_body(const TextFile& file) {
     body.tags.push_back(tag);
   }
   root.finish();
-  body.validate();
+  root.naming_file([&] { body.validate(); });
   return body;
 }
 

@@ -49,9 +49,15 @@ std::string hint_for_number(std::string text) {
   return "; without a unit, which the key names";
 }
 
+/// yaml-cpp's mark of a scalar that was written in quotes (YAML 1.2, 6.9.1: the non-specific tag "!").
+bool in_quotes(const YAML::Node& node) { return node.IsScalar() && node.Tag() == "!"; }
+
+constexpr const char* kInQuotes = " is a text, because it stands in quotes; write it without them";
+
 /// Decimal, the whole of it ("640abc" is none), or one of YAML's words for infinity and NaN.
 double as_number(const YAML::Node& node, const YamlSection& section, const std::string& key) {
   if (!node.IsScalar()) throw section.error(key, shown(node) + " is not a number");
+  if (in_quotes(node)) throw section.error(key, shown(node) + kInQuotes);
   const std::string& text = node.Scalar();
   if (may_be_octal(text)) throw section.error(key, shown(node) + kMayBeOctal);
   if (const auto value = number_from<double>(text)) return *value;
@@ -131,6 +137,7 @@ double YamlSection::angle(const std::string& key_rad, double min_rad, double max
 
 int YamlSection::integer(const std::string& key, int min, int max) {
   const YAML::Node node = require(key);
+  if (in_quotes(node)) throw error(key, shown(node) + kInQuotes);
   if (node.IsScalar() && may_be_octal(node.Scalar())) throw error(key, shown(node) + kMayBeOctal);
   const auto value = node.IsScalar() ? number_from<int>(node.Scalar()) : std::nullopt;
   if (!value) throw error(key, shown(node) + " is not a whole number");
@@ -140,6 +147,7 @@ int YamlSection::integer(const std::string& key, int min, int max) {
 
 bool YamlSection::boolean(const std::string& key) {
   const YAML::Node node = require(key);
+  if (in_quotes(node)) throw error(key, shown(node) + kInQuotes);
   bool value = false;
   if (!YAML::convert<bool>::decode(node, value)) throw error(key, shown(node) + " is not true or false");
   return value;

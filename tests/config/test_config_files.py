@@ -102,8 +102,9 @@ BROKEN = [
 def test_a_broken_configuration_is_refused_with_its_key(folder, pattern, replacement, message):
     path = folder / "config/line.yaml"
     break_file(path, pattern, replacement)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=message) as refused:
         coordinator.load_coordinator(str(path))
+    assert str(path) in str(refused.value) or "nowhere.yaml" in str(refused.value)
 
 
 def test_a_configuration_that_is_not_there_is_refused_with_its_path(tmp_path):

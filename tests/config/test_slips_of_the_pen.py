@@ -59,6 +59,27 @@ def test_what_is_no_number_is_refused_with_what_may_be_meant(folder, written, sa
     assert whole.startswith(f"setpoint.distance_m: {said} (")
 
 
+@pytest.mark.parametrize(
+    ("line", "quoted", "key"),
+    [
+        (r"  distance_m: 1\.10", "  distance_m: '1.10'", "setpoint.distance_m"),
+        (r"    position_m: \[[^]]*\]", '    position_m: [0, 0, "0.1"]', "camera.mounting.position_m"),
+        (r"^setpoint:", "black_box:\n  total_mb: '100'\nsetpoint:", "black_box.total_mb"),
+        (r"^setpoint:", "setpoint:\n  run: 'false'", "setpoint.run"),
+    ],
+)
+def test_what_stands_in_quotes_is_a_text_and_no_number(folder, line, quoted, key):
+    """As in YAML itself; what another program writes with quotes may be a number by accident, or not at all."""
+    break_file(folder / "config/line.yaml", line, quoted)
+    said = refusal(coordinator.load_coordinator, folder / "config/line.yaml")
+    assert re.match(rf"{re.escape(key)}: '[\w.]+' is a text, because it stands in quotes; write it without them \(in ", said)
+
+
+def test_a_name_in_quotes_is_a_name(folder):
+    break_file(folder / "config/line.yaml", r"^name: \w+", "name: 'robot7'")
+    assert coordinator.load_coordinator(folder / "config/line.yaml").name == "robot7"
+
+
 def test_a_tab_in_front_of_a_line_is_named(folder):
     break_file(folder / "config/line.yaml", r"  distance_m: 1\.10", "\tdistance_m: 1.1")
     said = refusal(coordinator.load_coordinator, folder / "config/line.yaml")

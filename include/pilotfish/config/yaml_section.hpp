@@ -104,6 +104,17 @@ class YamlSection {
   /// Call when done: throws ConfigError naming the first unknown key, with the keys that exist.
   void finish() const;
 
+  /// What `make` returns. A ConfigError that does not name this file is thrown on with its name.
+  template <class Make>
+  auto naming_file(Make&& make) const {
+    try {
+      return std::forward<Make>(make)();
+    } catch (const ConfigError& error) {
+      const std::string said = error.what();
+      if (said.find(file_.string()) != std::string::npos) throw;
+      throw ConfigError(error.key(), said.substr(error.key().size() + 2) + " (in " + file_.string() + ")");
+    }
+  }
   /// For errors that only the caller can detect: ConfigError with this section's path before the key.
   ConfigError error(const std::string& key, const std::string& problem) const;
   const std::filesystem::path& file() const { return file_; }  ///< from which it was read
