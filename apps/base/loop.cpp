@@ -21,6 +21,7 @@ constexpr std::int64_t kYoung_us = 3'000'000;
 constexpr std::int64_t kBetweenLines_us = 4'000;
 constexpr std::int64_t kBetweenLogs_us = 200'000;
 constexpr std::int64_t kBetweenRefusalLogs_us = 5'000'000;
+constexpr std::int64_t kBetweenSummaries_us = 2'000'000;
 
 bus::BaseReport::State on_the_wire(base::BaseState state) {
   switch (state) {
@@ -41,7 +42,8 @@ class Loop {
         bus_(bus),
         service_(service),
         period_us_(static_cast<std::int64_t>(1e6 / config.rate_hz)),
-        started_(monotonic_now()) {
+        started_(monotonic_now()),
+        summarised_(started_) {
     bus_.on_base(config_.robot, [this](const bus::BaseReport& report) { receive(report); });
     bus_.on_command(config_.robot, [this](const bus::CommandReport& report) { receive(report); });
     bus_.on_setpoint(config_.robot, [this](const bus::SetpointReport& report) { receive(report); });
@@ -82,7 +84,9 @@ class Loop {
                                         {report.valid_until_us},
                                         may_move ? report.command : Twist{},
                                         report.simulated};
-    if (base_.receive(command, bus_.arrival(), monotonic_now()) == base::CommandVerdict::accepted) fresh_ = true;
+    if (base_.receive(command, bus_.arrival(), monotonic_now()) != base::CommandVerdict::accepted) return;
+    fresh_ = true;
+    ++accepted_;
   }
   void receive(const bus::SetpointReport& report) {
     const base::ReceivedSetpoint setpoint{report.session, report.counter, report.setpoint.run};
@@ -115,6 +119,7 @@ class Loop {
     if (due || changed) report(output, trouble);
     if (changed) log(output, trouble, now);
     log_refusals(now);
+    log_summary(output, now);
     last_ = output;
     if (due) next_period_ = {std::max(next_period_.us + period_us_, now.us)};
   }
@@ -186,6 +191,16 @@ class Loop {
     logged_refusals_ = counters;
   }
 
+  void log_summary(const base::BaseOutput& output, MonotonicTime now) {
+    const std::int64_t passed_us = now.us - summarised_.us;
+    if (!config_.summary || passed_us < kBetweenSummaries_us) return;
+    spdlog::info("{}: v {:.3f} m/s, w {:.3f} rad/s; {} commands accepted in {:.1f} s", to_string(output.state),
+                 output.command.linear_mps, output.command.angular_radps, accepted_,
+                 static_cast<double>(passed_us) * 1e-6);
+    summarised_ = now;
+    accepted_ = 0;
+  }
+
   /// Zeros are the last lines to the wheels; three times, because a line or a datagram may be lost.
   void end() {
     service_.stopping();
@@ -211,10 +226,11 @@ class Loop {
   bool another_ = false;
   bool fresh_ = false;  ///< a good command has come since the last line
   std::int64_t counter_ = 0, foreign_bases_ = 0;
+  std::int64_t accepted_ = 0;  ///< commands since the last summary
   base::BaseOutput last_;
   Twist last_command_;
   std::optional<Twist> measured_;
-  MonotonicTime logged_, refusals_logged_;
+  MonotonicTime logged_, refusals_logged_, summarised_;
   std::optional<base::BaseState> logged_state_;
   std::int64_t logged_session_ = 0;
   bus::Counters logged_refusals_;

@@ -12,6 +12,7 @@ namespace pilotfish::apps {
 struct BaseLoopConfig {
   std::string robot;  ///< name on the bus
   double rate_hz = 50.0;
+  bool summary = true;  ///< a line every 2 s
 };
 
 /// Another process drives the wheels of this name.

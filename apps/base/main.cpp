@@ -66,7 +66,7 @@ int run(const BaseOptions& options) {
     if (key) bus.set_key(*key);
     log_start(file, bus);
     lock_memory();
-    base_loop({file.name, file.base.rate_hz}, base, *driver, bus, service);
+    base_loop({file.name, file.base.rate_hz, service_environment().socket.empty()}, base, *driver, bus, service);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());
   } catch (const SerialError& error) {

@@ -37,7 +37,8 @@ ParsedBaseOptions parse_base_options(int argc, char** argv) {
   app.add_option("--driver", options.driver,
                  "what turns the wheels: dry_run, simulator or serial:DEVICE; instead of the configuration's");
   app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
-  app.add_flag("--quiet", options.quiet, "log warnings only");
+  app.add_flag("--quiet", options.quiet,
+               "log warnings only; without it a summary is logged every 2 s, and every change of the state");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

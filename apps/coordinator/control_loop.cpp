@@ -89,6 +89,7 @@ class Loop {
     }
     last_utime_ = frame.utime;
     timing_.frame_rate_hz = rate_.arrived(arrival);
+    reporter_.picture = frame.image;
     // A replay or a simulation waits for the answer and must not depend on the speed of this computer.
     frame.coarse_search = !config_.simulated && search_.coarse();
     const MonotonicTime begin = monotonic_now();
@@ -100,6 +101,7 @@ class Loop {
     if (parts_.black_box != nullptr) parts_.black_box->frame(frame, now, result, coordinator_);
     const HeldAnswer sent = parts_.sender.answer(result, coordinator_.held(), frame.utime);
     const MonotonicTime left = monotonic_now();
+    if (parts_.preview != nullptr) parts_.preview->offer(frame);
     reporter_.waited.add(seconds_between(arrival, begin));
     reporter_.looked.add(timing_.processing_s);
     reporter_.answered.add(seconds_between(arrival, left));
@@ -107,6 +109,7 @@ class Loop {
     result.command = sent.command;
     result.status = sent.status;
     result.reason = sent.reason;
+    reporter_.summary.frame(result, seconds_between(arrival, left));
     latency_.answered(seconds_between(arrival, left), frame.known_age_us, timing_);
     count_epochs();
     reporter_.report(result, timing_);

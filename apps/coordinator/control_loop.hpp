@@ -4,13 +4,16 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_sender.hpp"
 #include "inbox.hpp"
 #include "log.hpp"
 #include "pilotfish/blackbox/black_box.hpp"
 #include "pilotfish/bus/bus.hpp"
+#include "pilotfish/bus/encoded_image.hpp"
 #include "pilotfish/coordinator/coordinator.hpp"
+#include "preview.hpp"
 
 namespace pilotfish::apps {
 
@@ -20,7 +23,10 @@ struct LoopConfig {
   double frame_rate_hz = 30.0;  ///< also the rate at which the status goes out when no frame comes
   bool simulated = false;       ///< frames carry a simulated time
   bool json = false;
-  double max_age_s = 0.1;             ///< safety.max_age_s
+  bool summary = true;        ///< a line every 2 s
+  double max_age_s = 0.1;     ///< safety.max_age_s
+  bus::ImageSize calibrated;  ///< of the camera
+  std::vector<int> leader_ids;
   double configured_latency_s = 0.0;  ///< control.drive.latency_s, to compare with the measured one
 };
 
@@ -39,6 +45,7 @@ struct LoopParts {
   std::function<bool()> stop_requested;
   std::function<void()> progress;           ///< called at every turn
   blackbox::BlackBox* black_box = nullptr;  ///< may be none
+  Preview* preview = nullptr;               ///< may be none
 };
 
 /// Takes the newest frame, steps the coordinator, passes the answer to the sender of commands, reports. It has

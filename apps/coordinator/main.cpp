@@ -56,6 +56,11 @@ config::CoordinatorFile load(const Options& options) {
   }
   config::apply(overrides(options), file);
   if (options.black_box) file.black_box.directory = *options.black_box;
+  if (options.record) {
+    file.black_box.directory = *options.record;
+    file.black_box.picture_rate_hz = config::kEveryPicture_hz;
+    file.black_box.raw_pictures = file.black_box.raw_pictures || options.record_raw;
+  }
   if (options.odometry) file.odometry = config::odometry_from(*options.odometry);
   if (options.leader_intent_from) file.leader_intent_from = config::leader_intent_from(*options.leader_intent_from);
   return file;
@@ -136,6 +141,20 @@ std::string bus_url(const Options& options, bool replay) {
   return options.lcm_url.empty() ? "memq://" : options.lcm_url;
 }
 
+std::vector<int> ids_of(const LeaderBody& leader) {
+  std::vector<int> ids;
+  for (const BodyTag& tag : leader.tags) ids.push_back(tag.id);
+  return ids;
+}
+
+/// Where the pictures are not on the bus already; and a replay has no one who watches, unless it is live.
+std::unique_ptr<Preview> make_preview(const config::CoordinatorFile& file, const std::string& url, bool replay,
+                                      bool live) {
+  const bool on_the_bus = parse_source(file.source).kind == SourceSpec::Kind::lcm;
+  if (file.preview.rate_hz <= 0.0 || on_the_bus || (replay && !live)) return nullptr;
+  return std::make_unique<Preview>(file.preview, file.name, url);
+}
+
 int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   std::optional<bus::Key> key;
   if (!file.key_file.empty()) key = bus::load_key(file.key_file);
@@ -214,9 +233,13 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         file.frame_rate_hz,
                         simulated,
                         options.json,
+                        !options.quiet && service_environment().socket.empty(),
                         file.coordinator.safety.max_age_s,
+                        {file.coordinator.camera.width, file.coordinator.camera.height},
+                        ids_of(file.coordinator.leader),
                         file.coordinator.control.drive.latency_s};
   supervisor.ready(source.description);
+  const std::unique_ptr<Preview> preview = make_preview(file, listening.url, replay, options.live);
   const LoopParts parts{*inbox,
                         source.pull,
                         sender,
@@ -225,7 +248,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         [&] { return listener.refused(); },
                         [&] { return supervisor.stop_requested(); },
                         [&] { supervisor.looked(); },
-                        black_box.get()};
+                        black_box.get(),
+                        preview.get()};
   if (!simulated) become_real_time("vision", kVisionPriority);  // last: threads inherit it
   try {
     control_loop(loop, parts, coordinator);
@@ -258,6 +282,7 @@ int program(int argc, char** argv) {
       return fail(kUsage, "--source " + file.source + " would be replayed on " + options.lcm_url +
                               ", where it could drive a robot; say --live if you mean that");
     Log log({options.json, !replay});
+    if (options.quiet) spdlog::set_level(spdlog::level::warn);
     try {
       code = run(options, file, log);
     } catch (const bus::BusError& error) {

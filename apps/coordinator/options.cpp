@@ -75,6 +75,13 @@ ParsedOptions parse_options(int argc, char** argv) {
                  "the leader's name on the bus, to receive what it announces on its NAME_MOTION; none: disabled");
   app.add_option("--black-box", options.black_box,
                  "folder for a ring of recordings, from which pilotfish replay recomputes every command");
+  auto* record = app.add_option("--record", options.record,
+                                "the same with every picture that comes from the camera or the bus, as JPEG");
+  app.add_flag("--record-raw", options.record_raw,
+               "pictures that come raw are recorded raw, so that pilotfish replay --from-pixels can repeat the vision")
+      ->needs(record);
+  app.add_flag("--quiet", options.quiet,
+               "log warnings only; without it a summary is logged every 2 s, and every change of the status");
   app.add_flag(
       "--simulated-time", options.simulated_time,
       "time passes as the images' stamps say, for pilotfish-sim in lock-step: real wheels ignore such commands");

@@ -23,6 +23,9 @@ struct Options : ConfigOptions {
   std::optional<std::string> odometry;
   std::optional<std::string> leader_intent_from;
   std::optional<std::string> black_box;
+  std::optional<std::string> record;
+  bool record_raw = false;
+  bool quiet = false;
   std::string command_line;  ///< as it was given
   std::string lcm_url;
   bool simulated_time = false;

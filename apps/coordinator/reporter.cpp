@@ -5,6 +5,15 @@
 #include "pilotfish/core/angles.hpp"
 
 namespace pilotfish::apps {
+namespace {
+
+std::string listed(const std::vector<int>& ids) {
+  std::string text;
+  for (const int id : ids) text += (text.empty() ? "" : ", ") + std::to_string(id);
+  return text;
+}
+
+}  // namespace
 
 bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& timing) const {
   Counters counters = parts_.refused();
@@ -21,6 +30,7 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
   if (sender.rivals_heard > 0) counters["rival_commands"] = sender.rivals_heard;
 
   bus::StatusReport status = status_report(result, timing, {config_, coordinator_, sender, setpoint_counter}, counters);
+  status.detail = detail(result.reason);
   const auto stage = [&](const char* name, const StageTimes& times) {
     status.stages.push_back({name, times.counts(), times.max_ms()});
   };
@@ -33,19 +43,32 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
 
 void Reporter::report(const StepResult& result, const StepTiming& timing) {
   parts_.reports.publish(config_.robot, observation_report(result, timing));
-  parts_.reports.publish(config_.robot, status(result, timing));
-  log_change(result);
+  const bus::StatusReport said = status(result, timing);
+  parts_.reports.publish(config_.robot, said);
+  log_change(result, said.detail);
+  if (const auto line = summary.due(monotonic_now(), said)) spdlog::info("{}", *line);
 }
 
 void Reporter::print(const StepResult& result, const StepTiming& timing) const {
   if (config_.json) parts_.log.line(json_line(result, timing));
 }
 
+/// What a reason's text leaves open: which ids, which sizes.
+std::string Reporter::detail(Reason reason) const {
+  const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
+  if (reason == Reason::frame_size_not_calibrated)
+    return "frame " + size(picture.width, picture.height) + ", calibration " +
+           size(config_.calibrated.width, config_.calibrated.height);
+  if (reason == Reason::no_tag_of_the_leader)
+    return "saw id " + listed(coordinator_.foreign_ids()) + ", the leader has " + listed(config_.leader_ids);
+  return {};
+}
+
 /// One line per change of status or reason, however many frames it lasts.
-void Reporter::log_change(const StepResult& result) {
+void Reporter::log_change(const StepResult& result, const std::string& detail) {
   if (logged_ == std::pair(result.status, result.reason)) return;
   logged_ = {result.status, result.reason};
-  const std::string_view reason = to_string(result.reason);
+  const std::string reason = std::string(to_string(result.reason)) + (detail.empty() ? detail : " (" + detail + ")");
   const char* separator = reason.empty() ? "" : ": ";
   if (result.observation) {
     spdlog::info("{}{}{}  d = {:.3f} m, bearing = {:.1f} deg", to_string(result.status), separator, reason,

@@ -4,6 +4,7 @@
 
 #include "control_loop.hpp"
 #include "stage_times.hpp"
+#include "summary.hpp"
 #include "translate.hpp"
 
 namespace pilotfish::apps {
@@ -12,7 +13,7 @@ namespace pilotfish::apps {
 class Reporter {
  public:
   Reporter(const LoopConfig& config, const LoopParts& parts, const Coordinator& coordinator)
-      : config_(config), parts_(parts), coordinator_(coordinator) {}
+      : summary(config.summary), config_(config), parts_(parts), coordinator_(coordinator) {}
 
   /// result: with the command that the sender really sent.
   void report(const StepResult& result, const StepTiming& timing);
@@ -20,11 +21,14 @@ class Reporter {
 
   Counters refused;  ///< by the loop itself
   std::int64_t setpoint_counter = 0;
+  ImageView picture;  ///< the last one's size; its pixels may be gone
   StageTimes waited, looked, answered;
+  Summary summary;
 
  private:
   bus::StatusReport status(const StepResult& result, const StepTiming& timing) const;
-  void log_change(const StepResult& result);
+  std::string detail(Reason reason) const;
+  void log_change(const StepResult& result, const std::string& detail);
 
   const LoopConfig& config_;
   const LoopParts& parts_;

@@ -150,6 +150,8 @@ void bind_reports(py::module_& m) {
       .def_readwrite("utime", &StatusReport::utime, "exposure [us] of the image this answers")
       .def_readwrite("status", &StatusReport::status, "Status: what the coordinator is doing")
       .def_readwrite("reason", &StatusReport::reason, "Reason for the status")
+      .def_readwrite("detail", &StatusReport::detail,
+                     "the reason's numbers, for people; sent with the text, not received")
       .def_readwrite(
           "strengths", &StatusReport::strengths,
           "56 strengths of the rules (Table I) in [0, 1], row by row: E from NB to PB, within it EC from NB to PB")

@@ -32,6 +32,7 @@ void bind_config(py::module_& m) {
       .def_readwrite("leader", &CoordinatorConfig::leader, "LeaderBody: the tags to follow");
   bind_attributes(m, coordinator_config);  // vision, control, safety, setpoint
   bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
+  bind_parameters<config::PreviewConfig>(m, "PreviewConfig", "Small pictures for people on NAME_PREVIEW.");
   py::class_<config::CoordinatorFile>(m, "CoordinatorFile", "What pilotfish-coordinator --config reads.")
       .def_readonly("name", &config::CoordinatorFile::name, "the robot's name on the bus")
       .def_readonly("source", &config::CoordinatorFile::source,
@@ -45,6 +46,7 @@ void bind_config(py::module_& m) {
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz,
                     "rate expected of the source [Hz]; 1/T of the law unless control_period_s says otherwise")
       .def_readonly("black_box", &config::CoordinatorFile::black_box, "BlackBoxConfig: where and how much is recorded")
+      .def_readonly("preview", &config::CoordinatorFile::preview, "PreviewConfig: pictures for people")
       .def_readwrite("coordinator", &config::CoordinatorFile::coordinator,
                      "CoordinatorConfig: what Coordinator() takes");
   using config::ConfigBundle, config::ConfigOverrides, config::ConfigText;

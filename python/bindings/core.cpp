@@ -171,18 +171,23 @@ PYBIND11_MODULE(core, m) {
           },
           py::is_operator(), "Of one time, with the same pixels.");
 
+  py::enum_<Lens>(m, "Lens", "How a lens bends directions.")
+      .value("brown_conrady", Lens::brown_conrady)
+      .value("kannala_brandt", Lens::kannala_brandt);
   py::class_<CameraModel>(
       m, "CameraModel",
-      "Pinhole with Brown-Conrady distortion (OpenCV's model); (0, 0) is the top-left pixel's centre.")
+      "A camera with a Brown-Conrady lens (OpenCV's calibrateCamera: k1, k2, p1, p2, k3) or a Kannala-Brandt one "
+      "(OpenCV's fisheye module: k1, k2, k3, k4); (0, 0) is the top-left pixel's centre.")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy, double k1, double k2,
-                       double p1, double p2, double k3) {
-             CameraModel camera{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3};
+                       double p1, double p2, double k3, double k4, Lens lens) {
+             CameraModel camera{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, lens};
              camera.validate();
              return camera;
            }),
            py::kw_only(), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0, py::arg("p2") = 0.0,
-           py::arg("k3") = 0.0,
+           py::arg("k3") = 0.0, py::arg("k4") = 0.0,
+           py::arg_v("lens", Lens::brown_conrady, "pilotfish.core.Lens.brown_conrady"),
            "width, height, fx, fy, cx, cy in pixels. ConfigError (camera.fx: ...) on sizes or intrinsics that no "
            "camera has.")
       .def_readonly("width", &CameraModel::width, "[px], of the images that were calibrated")
@@ -191,11 +196,13 @@ PYBIND11_MODULE(core, m) {
       .def_readonly("fy", &CameraModel::fy, "focal length along columns [px]")
       .def_readonly("cx", &CameraModel::cx, "principal point, from the centre of the leftmost pixels [px]")
       .def_readonly("cy", &CameraModel::cy, "principal point, from the centre of the topmost pixels [px]")
-      .def_readonly("k1", &CameraModel::k1, "radial distortion of r^2; ViSP's kud")
-      .def_readonly("k2", &CameraModel::k2, "radial distortion of r^4")
+      .def_readonly("lens", &CameraModel::lens, "Lens: which of the two models")
+      .def_readonly("k1", &CameraModel::k1, "radial distortion of r^2, ViSP's kud; of a fisheye, of the angle squared")
+      .def_readonly("k2", &CameraModel::k2, "radial distortion of r^4; of a fisheye, of the angle^4")
       .def_readonly("p1", &CameraModel::p1, "tangential distortion: y' gains p1 (r^2 + 2 y^2)")
       .def_readonly("p2", &CameraModel::p2, "tangential distortion: x' gains p2 (r^2 + 2 x^2)")
-      .def_readonly("k3", &CameraModel::k3, "radial distortion of r^6")
+      .def_readonly("k3", &CameraModel::k3, "radial distortion of r^6; of a fisheye, of the angle^6")
+      .def_readonly("k4", &CameraModel::k4, "of a fisheye alone: radial distortion of the angle^8")
       .def(
           "project", [](const CameraModel& camera, const Eigen::Vector3d& point_m) { return project(camera, point_m); },
           "Point in the camera frame [m] to pixels (2,), or None if it is not in front.", py::arg("point_m"))

@@ -34,6 +34,14 @@ constexpr milliseconds kShutdownTimeout{2000};
 constexpr std::int64_t kStartGap_us = 1'000'000;
 constexpr double kLongestGap_us = 9e18;  ///< more is no int64
 constexpr std::int64_t kMegabyte = 1'000'000;
+constexpr double kHour_us = 3.6e9;
+
+/// -1: no pictures.
+std::int64_t gap_between_pictures_us(double rate_hz) {
+  if (rate_hz <= 0.0) return -1;
+  if (rate_hz >= config::kEveryPicture_hz) return 0;
+  return static_cast<std::int64_t>(std::min(1e6 / rate_hz, kLongestGap_us));
+}
 
 /// Of the robot's channels, ROBOT1_. Throws ConfigError if it has no name.
 std::string prefix_of(const std::string& robot) {
@@ -58,12 +66,12 @@ struct BlackBox::Shared {
   Shared(const config::BlackBoxConfig& config, Start start_of_it)
       : start(std::move(start_of_it)),
         channel_prefix(prefix_of(start.robot)),
-        picture_gap_us(config.picture_rate_hz > 0.0
-                           ? static_cast<std::int64_t>(std::min(1e6 / config.picture_rate_hz, kLongestGap_us))
-                           : -1),
+        picture_gap_us(gap_between_pictures_us(config.picture_rate_hz)),
+        encode_picture(config.raw_pictures ? encode_raw : encode_copy),
         queue(kQueueBytes),
         ring(config.directory, start.robot, wall_utime(),
-             {config.total_mb * kMegabyte, config.segment_mb * kMegabyte}) {}
+             {config.total_mb * kMegabyte, config.segment_mb * kMegabyte,
+              static_cast<std::int64_t>(config.max_age_h * kHour_us)}) {}
 
   // From any thread.
   void record(Event&& event) noexcept;
@@ -80,6 +88,7 @@ struct BlackBox::Shared {
   const Start start;
   const std::string channel_prefix;
   const std::int64_t picture_gap_us;
+  Bytes (*const encode_picture)(const Frame&);
   EventQueue queue;
   SegmentRing ring;
   std::int64_t sequence = 0, last_start_us = 0;
@@ -125,7 +134,7 @@ void BlackBox::Shared::record_call(const Coordinator& core, const Encode& encode
 }
 
 void BlackBox::Shared::write(Event& event) {
-  if (event.picture) event.data = encode_copy(*event.picture);
+  if (event.picture) event.data = encode_picture(*event.picture);
   event.picture.reset();
   if (event.data.empty()) return;
   if (event.kind == Event::Kind::start) {

@@ -177,4 +177,21 @@ Bytes encode_copy(const Frame& frame) {
   return bytes_of(message);
 }
 
+Bytes encode_raw(const Frame& frame) {
+  const ImageView& image = frame.image;
+  if (check(image) != Reason::none) return {};
+  bot_core::image_t message{};
+  message.utime = frame.utime;
+  message.width = message.row_stride = image.width;
+  message.height = image.height;
+  message.pixelformat = bot_core::image_t::PIXEL_FORMAT_GRAY;
+  message.data.reserve(static_cast<std::size_t>(image.width) * image.height);
+  for (int row = 0; row < image.height; ++row) {
+    const std::uint8_t* first = image.data + static_cast<std::size_t>(image.stride_bytes) * row;
+    message.data.insert(message.data.end(), first, first + image.width);
+  }
+  message.size = static_cast<std::int32_t>(message.data.size());
+  return bytes_of(message);
+}
+
 }  // namespace pilotfish::blackbox

@@ -27,5 +27,7 @@ Bytes encode_start(const Start& start, const Instant& instant, std::int64_t sequ
 
 /// An image_t with a JPEG of quality 95, marked as a copy by the extra `pilotfish_copy`; empty if it cannot be encoded.
 Bytes encode_copy(const Frame& frame);
+/// An image_t with the pixels themselves; empty if there are none.
+Bytes encode_raw(const Frame& frame);
 
 }  // namespace pilotfish::blackbox

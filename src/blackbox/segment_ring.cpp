@@ -29,6 +29,13 @@ ConfigError unusable(const std::filesystem::path& path, int problem) {
   return {kKey, "cannot write in " + path.string() + ": " + std::strerror(problem)};
 }
 
+/// When a file was last written, wall clock; 0, older than any age, if it does not say.
+std::int64_t modified_utime(const std::filesystem::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return 0;
+  return status.st_mtim.tv_sec * 1'000'000LL + status.st_mtim.tv_nsec / 1000;
+}
+
 /// lcm-logger's: sync word, number, time, length of the channel, length of the data; big endian.
 struct Header {
   std::array<std::uint8_t, 28> bytes{};
@@ -84,7 +91,8 @@ void SegmentRing::find_older(std::int64_t utime) {
     std::error_code ignored;
     if (!std::regex_match(file, match, pattern) || !entry.is_regular_file(ignored)) continue;
     const auto size = static_cast<std::int64_t>(entry.file_size(ignored));
-    found.push_back({entry.path(), std::stoll(match[1]), std::stoll(match[2]), ignored ? 0 : size});
+    found.push_back(
+        {entry.path(), std::stoll(match[1]), std::stoll(match[2]), ignored ? 0 : size, modified_utime(entry.path())});
   }
   if (problem) throw unusable(directory_, problem.value());
   std::sort(found.begin(), found.end(), [](const Segment& a, const Segment& b) {
@@ -99,7 +107,7 @@ void SegmentRing::find_older(std::int64_t utime) {
 
 bool SegmentRing::open_segment() {
   current_ = {directory_ / (name_ + "-" + std::to_string(start_) + "-" + std::to_string(next_) + ".lcmlog"), start_,
-              next_, 0};
+              next_, 0, 0};
   // Not truncated: should there be such a file after all, what it holds stays.
   file_ = open(current_.path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, kMode);
   if (file_ < 0) return false;
@@ -131,6 +139,11 @@ bool SegmentRing::delete_oldest() {
   return true;
 }
 
+void SegmentRing::delete_aged(std::int64_t utime) {
+  if (limits_.max_age_us == 0) return;
+  while (!older_.empty() && utime - older_.front().newest_utime > limits_.max_age_us) delete_oldest();
+}
+
 bool SegmentRing::make_room_on_full_disk() {
   if (errno != ENOSPC && errno != EDQUOT) return false;
   if (older_.empty() && bytes_ >= limits_.segment_bytes / kWorthGivingUp) close_segment();
@@ -146,11 +159,13 @@ bool SegmentRing::write(const Event& event) {
   if (bytes > limits_.total_bytes) return errno = EFBIG, false;
   // The caller has not begun a new file; the limit applies nevertheless.
   if (file_ >= 0 && bytes_ > 0 && bytes_ + bytes > limits_.total_bytes / 2) close_segment();
+  delete_aged(event.utime);
   while (older_bytes_ + bytes_ + bytes > limits_.total_bytes && delete_oldest()) {
   }
   do {
     if ((file_ >= 0 || open_segment()) && append()) {
       ++events_;
+      current_.newest_utime = event.utime;
       return true;
     }
   } while (make_room_on_full_disk());

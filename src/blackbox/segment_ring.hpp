@@ -12,6 +12,7 @@ namespace pilotfish::blackbox {
 struct RingLimits {
   std::int64_t total_bytes = 0;
   std::int64_t segment_bytes = 0;
+  std::int64_t max_age_us = 0;  ///< since the newest event of a file; 0: any age
 };
 
 /// Files DIR/<name>-<start>-<k>.lcmlog, of one robot, of which the oldest go first. `start` is the wall clock at the
@@ -38,11 +39,13 @@ class SegmentRing {
   struct Segment {
     std::filesystem::path path;
     std::int64_t start = 0, number = 0, bytes = 0;
+    std::int64_t newest_utime = 0;  ///< of its last event
   };
   void lock_directory();
   void find_older(std::int64_t utime);
   bool open_segment();
   bool delete_oldest();
+  void delete_aged(std::int64_t utime);
   bool append();
   bool make_room_on_full_disk();
 

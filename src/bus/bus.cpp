@@ -250,6 +250,13 @@ void Bus::publish_image(const std::string& channel, const Frame& frame) {
   connection_->publish(channel, *message);
 }
 
+void Bus::publish_preview(const std::string& robot, const Frame& frame, int shrink, int quality) {
+  if (check(frame.image) != Reason::none || shrink < 1) return connection_->count("image_not_publishable");
+  const auto message = encode_preview(frame, shrink, quality);
+  if (!message) return connection_->count("image_not_publishable");
+  connection_->publish(channel(robot, "PREVIEW"), *message);
+}
+
 void Bus::on_image(const std::string& channel, std::function<void(Frame)> handler) {
   check_channel_name(channel);
   connection_->listen(channel, true,

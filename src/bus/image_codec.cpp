@@ -53,6 +53,24 @@ std::vector<std::uint8_t> gray_from_colour(const ImageHeader& image, const std::
   return gray;
 }
 
+/// Means of squares of `factor` x `factor` pixels; what is left at the right and below is cut off.
+std::vector<std::uint8_t> shrunk(const ImageView& image, int factor) {
+  const int width = image.width / factor, height = image.height / factor, area = factor * factor;
+  std::vector<std::uint8_t> out;
+  out.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<int> sums(static_cast<std::size_t>(width));
+  for (int v = 0; v < height; ++v) {
+    std::fill(sums.begin(), sums.end(), area / 2);  // rounds
+    for (int row = 0; row < factor; ++row) {
+      const std::uint8_t* pixel = image.data + static_cast<std::size_t>(v * factor + row) * image.stride_bytes;
+      for (int& sum : sums)
+        for (int column = 0; column < factor; ++column) sum += *pixel++;
+    }
+    for (const int sum : sums) out.push_back(static_cast<std::uint8_t>(sum / area));
+  }
+  return out;
+}
+
 /// Of a message with this header. `owner` keeps its bytes alive; without one, raw pixels are copied.
 Checked<Frame> decode(const ImageHeader& header, const std::uint8_t* message, std::shared_ptr<const void> owner) {
   using Result = Checked<Frame>;
@@ -105,6 +123,28 @@ std::optional<image_t> encode_image(const Frame& frame, bool raw) {
     if (image.data.empty()) return std::nullopt;
   }
   image.size = static_cast<std::int32_t>(image.data.size());
+  return image;
+}
+
+std::optional<image_t> encode_preview(const Frame& frame, int shrink, int quality) {
+  const std::vector<std::uint8_t> pixels = shrunk(frame.image, shrink);
+  const ImageView small{pixels.data(), pixels.size(), frame.image.width / shrink, frame.image.height / shrink,
+                        frame.image.width / shrink};
+  image_t image;
+  image.data = jpeg::encode(small, quality);
+  if (image.data.empty()) return std::nullopt;
+  image.utime = frame.utime;
+  image.width = image.row_stride = small.width;
+  image.height = small.height;
+  image.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
+  image.size = static_cast<std::int32_t>(image.data.size());
+  const std::string factor = std::to_string(shrink);
+  bot_core::image_metadata_t extra;
+  extra.key = "pilotfish_shrink";
+  extra.value.assign(factor.begin(), factor.end());
+  extra.n = static_cast<std::int32_t>(extra.value.size());
+  image.metadata.push_back(std::move(extra));
+  image.nmetadata = 1;
   return image;
 }
 

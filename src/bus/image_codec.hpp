@@ -17,6 +17,8 @@ constexpr bool travels_raw(std::size_t image_bytes, int receive_buffer_bytes) {
 
 /// The message for a picture that passed check(frame.image); nothing if it cannot be encoded.
 std::optional<bot_core::image_t> encode_image(const Frame& frame, bool raw);
+/// The same as a smaller JPEG, see Bus::publish_preview.
+std::optional<bot_core::image_t> encode_preview(const Frame& frame, int shrink, int quality);
 
 /// The header of a bot_core.image_t, and where its bytes lie.
 struct ImageHeader {

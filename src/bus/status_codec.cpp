@@ -97,6 +97,7 @@ status_t encode(const StatusReport& report, std::string_view& repaired, std::siz
   message.status = static_cast<std::int8_t>(report.status);
   message.reason = static_cast<std::int8_t>(report.reason);
   message.text = words(report.status, report.reason);
+  if (!report.detail.empty()) message.text += " (" + report.detail.substr(0, kMaxDetail) + ")";
 #define PILOTFISH_FIELD(type, name) message.name = finite(report.name);
   PILOTFISH_ALL_FIELDS
 #undef PILOTFISH_FIELD

@@ -12,6 +12,7 @@ namespace pilotfish::bus {
 
 inline constexpr std::size_t kOneDatagramBytes = 1400;  ///< of a state message, behind LCM's own header
 inline constexpr std::size_t kMaxStages = 6;
+inline constexpr std::size_t kMaxDetail = 120;  ///< letters of StatusReport::detail
 inline constexpr std::size_t kMaxStageName = 12;
 inline constexpr std::size_t kMaxCounters = 24;
 inline constexpr std::size_t kMaxBaseCounters = 16;

@@ -47,6 +47,17 @@ std::vector<double> matrix_numbers(YamlSection matrix) {
   return numbers;
 }
 
+/// By the names that ROS gives them in its camera_info.
+Lens lens_from(YamlSection& section) {
+  const std::string name = section.text("distortion_model");
+  if (name == "plumb_bob") return Lens::brown_conrady;
+  if (name == "equidistant") return Lens::kannala_brandt;
+  throw section.error("distortion_model",
+                      "'" + name +
+                          "' is not supported; plumb_bob is (k1, k2, p1, p2, k3), and equidistant (a fisheye: "
+                          "k1, k2, k3, k4)");
+}
+
 /// OpenCV's calibration sample and ROS's camera_info share these keys; the many others they hold are theirs.
 CameraModel from_opencv(const std::string& text, const std::filesystem::path& file) {
   const YAML::Node root = parse_yaml(without_directives(text), "calibration", file);
@@ -55,9 +66,7 @@ CameraModel from_opencv(const std::string& text, const std::filesystem::path& fi
   CameraModel camera;
   camera.width = section.integer("image_width", kMinFrameSide, kMaxFrameSide);
   camera.height = section.integer("image_height", kMinFrameSide, kMaxFrameSide);
-  if (section.has("distortion_model") && section.text("distortion_model") != "plumb_bob")
-    throw section.error("distortion_model",
-                        "'" + section.text("distortion_model") + "' is not supported; plumb_bob is");
+  if (section.has("distortion_model")) camera.lens = lens_from(section);
   const std::vector<double> matrix = matrix_numbers(section.section("camera_matrix"));
   check_matrix(matrix, section);
   camera.fx = matrix[0];
@@ -65,6 +74,15 @@ CameraModel from_opencv(const std::string& text, const std::filesystem::path& fi
   camera.fy = matrix[4];
   camera.cy = matrix[5];
   const std::vector<double> distortion = matrix_numbers(section.section("distortion_coefficients"));
+  if (camera.lens == Lens::kannala_brandt) {
+    if (distortion.size() != 4)
+      throw section.error(
+          "distortion_coefficients",
+          "needs the four numbers k1, k2, k3, k4 of an equidistant lens, has " + std::to_string(distortion.size()));
+    double* const of_a_fisheye[] = {&camera.k1, &camera.k2, &camera.k3, &camera.k4};
+    for (std::size_t i = 0; i < distortion.size(); ++i) *of_a_fisheye[i] = distortion[i];
+    return camera;
+  }
   for (std::size_t i = 5; i < distortion.size(); ++i)
     if (distortion[i] != 0.0)
       throw section.error("distortion_coefficients",

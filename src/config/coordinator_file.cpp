@@ -113,6 +113,7 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   root.read_section("safety", config.safety);
   root.read_section("black_box", file.black_box);
   check_black_box(root, file.black_box);
+  root.read_section("preview", file.preview);
   check_frame_rate(root, file);
   root.finish();
   return file;

@@ -48,6 +48,7 @@ ConfigDescription coordinator_description() {
   describe_tree(description, "", defaults);
   for (const control::LawDescription& law : defaults.control.laws) describe_law(description, law);
   describe_tree(description, "black_box", BlackBoxConfig{});
+  describe_tree(description, "preview", PreviewConfig{});
   return description;
 }
 

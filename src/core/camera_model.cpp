@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lens.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/frame.hpp"
 
@@ -15,25 +16,6 @@ void require(bool holds, const char* key, double value, const char* allowed) {
   std::ostringstream problem;
   problem << value << " is not allowed; " << allowed;
   throw ConfigError(std::string("camera.") + key, problem.str());
-}
-
-Eigen::Vector2d distort(const CameraModel& c, const Eigen::Vector2d& p) {
-  const double x = p.x(), y = p.y(), r2 = x * x + y * y;
-  const double radial = 1.0 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
-  return {x * radial + 2.0 * c.p1 * x * y + c.p2 * (r2 + 2.0 * x * x),
-          y * radial + c.p1 * (r2 + 2.0 * y * y) + 2.0 * c.p2 * x * y};
-}
-
-/// d distort / d (x, y), by differentiating the model in the header term by term.
-Eigen::Matrix2d distort_jacobian(const CameraModel& c, const Eigen::Vector2d& p) {
-  const double x = p.x(), y = p.y(), r2 = x * x + y * y;
-  const double radial = 1.0 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
-  const double slope = 2.0 * (c.k1 + r2 * (2.0 * c.k2 + 3.0 * r2 * c.k3));  // d radial / d x = slope * x
-  const double cross = slope * x * y + 2.0 * (c.p1 * x + c.p2 * y);
-  Eigen::Matrix2d jacobian;
-  jacobian << radial + slope * x * x + 2.0 * c.p1 * y + 6.0 * c.p2 * x, cross,  //
-      cross, radial + slope * y * y + 6.0 * c.p1 * y + 2.0 * c.p2 * x;
-  return jacobian;
 }
 
 /// A lens maps every direction to a pixel of its own, and bends none by more than a fisheye does. A distortion that
@@ -62,6 +44,32 @@ void check_lens(const CameraModel& camera) {
     }
 }
 
+/// Each direction has an angle of its own in the picture, up to the corners without their outermost tenth (as above) or
+/// up to 89 degrees, and none is moved beyond five times or a fifth of its angle.
+void check_fisheye(const CameraModel& camera) {
+  constexpr double kMargin = 0.1, kMaxStretch = 5.0, kSteps = 89.0;
+  double farthest = 0.0;
+  for (double u : {kMargin, 1.0 - kMargin})
+    for (double v : {kMargin, 1.0 - kMargin})
+      farthest = std::max(farthest, std::hypot((u * camera.width - camera.cx) / camera.fx,
+                                               (v * camera.height - camera.cy) / camera.fy));
+  double before = 0.0;
+  for (double step = 1.0; step <= kSteps && before < farthest; step += 1.0) {
+    const double angle = radians(step);
+    const double bent = distort(camera, {std::tan(angle), 0.0}).x();
+    if (bent > before && bent < kMaxStretch * angle && bent > angle / kMaxStretch) {
+      before = bent;
+      continue;
+    }
+    std::ostringstream problem;
+    problem << "k1 = " << camera.k1 << ", k2 = " << camera.k2 << ", k3 = " << camera.k3 << ", k4 = " << camera.k4
+            << " is no fisheye: allowed is what leads every direction to a place of its own, at " << 1.0 / kMaxStretch
+            << " to " << kMaxStretch << " times its angle; " << step << " degrees off the axis it does not. Calibrate "
+            << "again, with the pattern all over the picture";
+    throw ConfigError("camera.distortion", problem.str());
+  }
+}
+
 }  // namespace
 
 void CameraModel::validate() const {
@@ -81,10 +89,17 @@ void CameraModel::validate() const {
   }
   require(std::isfinite(cx) && cx > 0.0 && cx < width, "cx", cx, "the principal point lies in the image");
   require(std::isfinite(cy) && cy > 0.0 && cy < height, "cy", cy, "the principal point lies in the image");
-  for (auto [key, value] :
-       {std::pair{"k1", k1}, std::pair{"k2", k2}, std::pair{"p1", p1}, std::pair{"p2", p2}, std::pair{"k3", k3}})
+  for (auto [key, value] : {std::pair{"k1", k1}, std::pair{"k2", k2}, std::pair{"p1", p1}, std::pair{"p2", p2},
+                            std::pair{"k3", k3}, std::pair{"k4", k4}})
     require(std::isfinite(value), key, value, "distortion must be finite");
-  check_lens(*this);
+  const bool fisheye = lens == Lens::kannala_brandt;
+  require(fisheye || k4 == 0.0, "k4", k4, "only a Kannala-Brandt lens has it");
+  for (auto [key, value] : {std::pair{"p1", p1}, std::pair{"p2", p2}})
+    require(!fisheye || value == 0.0, key, value, "a Kannala-Brandt lens has none");
+  if (fisheye)
+    check_fisheye(*this);
+  else
+    check_lens(*this);
 }
 
 Eigen::Vector2d project_normalized(const CameraModel& camera, const Eigen::Vector2d& normalized) {
@@ -102,17 +117,7 @@ std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::V
 }
 
 Eigen::Vector2d normalize_pixel(const CameraModel& camera, const Eigen::Vector2d& pixel) {
-  Eigen::Vector2d target((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
-  if (!camera.has_distortion()) return target;
-  Eigen::Vector2d point = target;
-  for (int iteration = 0; iteration < 20; ++iteration) {
-    const Eigen::Vector2d residual = distort(camera, point) - target;
-    const Eigen::Vector2d correction = distort_jacobian(camera, point).inverse() * residual;
-    if (!correction.allFinite()) break;
-    point -= correction;
-    if (correction.squaredNorm() < 1e-26) break;
-  }
-  return point;
+  return undistort(camera, {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy});
 }
 
 Eigen::Isometry3d base_from_camera(const CameraMounting& mounting) {

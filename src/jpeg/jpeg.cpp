@@ -41,7 +41,7 @@ std::optional<Size> read_header(tjhandle codec, const std::uint8_t* data, std::s
 
 }  // namespace
 
-std::vector<std::uint8_t> encode(const ImageView& image) {
+std::vector<std::uint8_t> encode(const ImageView& image, int quality) {
   // For an empty picture libjpeg-turbo allocates 2^64 - 1 bytes; an unreadable picture must not reach it.
   if (check(image) != Reason::none) return {};
   const Codec codec(tjInitCompress());
@@ -50,7 +50,7 @@ std::vector<std::uint8_t> encode(const ImageView& image) {
   unsigned char* buffer = bytes.data();
   unsigned long size_bytes = bytes.size();
   if (tjCompress2(codec.get(), image.data, image.width, image.stride_bytes, image.height, TJPF_GRAY, &buffer,
-                  &size_bytes, TJSAMP_GRAY, kQuality, TJFLAG_NOREALLOC | TJFLAG_ACCURATEDCT) != 0)
+                  &size_bytes, TJSAMP_GRAY, quality, TJFLAG_NOREALLOC | TJFLAG_ACCURATEDCT) != 0)
     return {};
   bytes.resize(size_bytes);
   return bytes;

@@ -14,6 +14,7 @@
 namespace pilotfish::vision {
 namespace {
 
+constexpr std::size_t kMaxForeignIds = 8;
 constexpr double kCoarseDecimation = 2.0;  ///< what it misses, a search of the parts with detail finds
 
 /// With it the smallest tag at that distance, seen squarely, is still found in a search of the whole picture.
@@ -169,6 +170,7 @@ LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image,
     ++attempt.rejected.frames_invalid;
     return attempt;
   }
+  if (found_by == FoundBy::frame) foreign_ids_.clear();
   attempt.rejected.hamming += detections.refused_hamming;
   attempt.rejected.margin += detections.refused_margin;
   for (int id : detections.refused_ids)
@@ -178,6 +180,7 @@ LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image,
     const std::optional<std::size_t> on_body = tracker_.find(tag.id);
     if (!on_body) {
       ++attempt.rejected.foreign_id;
+      if (found_by == FoundBy::frame) note_foreign(tag.id);
       if (attempt.reason == Reason::no_tag_found) attempt.reason = Reason::no_tag_of_the_leader;
     } else if (!detections.is_unique(tag.id)) {
       ++attempt.rejected.duplicate_id;
@@ -191,6 +194,11 @@ LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image,
     }
   }
   return attempt;
+}
+
+void LeaderObserver::note_foreign(int id) {
+  const bool known = std::find(foreign_ids_.begin(), foreign_ids_.end(), id) != foreign_ids_.end();
+  if (!known && foreign_ids_.size() < kMaxForeignIds) foreign_ids_.push_back(id);
 }
 
 void LeaderObserver::Attempt::add(const TagOutcome<TagMeasurement>& outcome) {

@@ -43,6 +43,8 @@ CameraModel camera_model_of(const vpCameraParameters& camera, int width, int hei
 }
 
 vpCameraParameters camera_parameters_of(const CameraModel& camera) {
+  if (camera.lens != Lens::brown_conrady)
+    throw ConfigError("camera.distortion", "is a fisheye's; only ViSP's two perspective models are known here");
   if (camera.k2 != 0.0 || camera.k3 != 0.0 || camera.p1 != 0.0 || camera.p2 != 0.0)
     throw ConfigError("camera.distortion", "has more than k1, for which ViSP's model has no room");
   vpCameraParameters parameters;

@@ -72,7 +72,7 @@ def test_what_stands_in_quotes_is_a_text_and_no_number(folder, line, quoted, key
     """As in YAML itself; what another program writes with quotes may be a number by accident, or not at all."""
     break_file(folder / "config/line.yaml", line, quoted)
     said = refusal(coordinator.load_coordinator, folder / "config/line.yaml")
-    assert re.match(rf"{re.escape(key)}: '[\w.]+' is a text, because it stands in quotes; write it without them \(in ", said)
+    assert re.match(rf"{re.escape(key)}: '[\w.]+' is a text, because it stands in quotes; write it without", said)
 
 
 def test_a_name_in_quotes_is_a_name(folder):

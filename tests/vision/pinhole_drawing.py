@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.core import BodyTag, CameraModel
+from pilotfish.core import BodyTag, CameraModel, Lens
 from pilotfish.vision import TagFamily
 
 FAMILIES = [
@@ -62,9 +62,17 @@ def tag_on_body(tag: BodyTag) -> np.ndarray:
     return pose(np.column_stack([right, down, into_wall]), tag.position_m)
 
 
+def fisheye_angle(camera: CameraModel, angle: np.ndarray) -> np.ndarray:
+    """Kannala and Brandt: where in the picture, in focal lengths from its middle, a direction at this angle lies."""
+    return sum(k * angle ** (2 * i + 1) for i, k in enumerate((1.0, camera.k1, camera.k2, camera.k3, camera.k4)))
+
+
 def distort(camera: CameraModel, points: np.ndarray) -> np.ndarray:
     x, y = points[..., 0], points[..., 1]
     r2 = x * x + y * y
+    if camera.lens == Lens.kannala_brandt:
+        r = np.sqrt(np.maximum(r2, 1e-24))
+        return points * (fisheye_angle(camera, np.arctan(r)) / r)[..., None]
     radial = 1 + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3))
     return np.stack(
         [
@@ -82,6 +90,14 @@ def project(camera: CameraModel, points_c: np.ndarray) -> np.ndarray:
 
 def undistort(camera: CameraModel, pixels: np.ndarray) -> np.ndarray:
     target = (pixels - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
+    if camera.lens == Lens.kannala_brandt:
+        wanted = np.maximum(np.linalg.norm(target, axis=-1), 1e-12)
+        low, high = np.zeros_like(wanted), np.full_like(wanted, np.radians(89.0))
+        for _ in range(60):  # bisection: slow, and sure
+            middle = (low + high) / 2
+            below = fisheye_angle(camera, middle) < wanted
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return target * (np.tan(low) / wanted)[..., None]
     if not any((camera.k1, camera.k2, camera.k3, camera.p1, camera.p2)):
         return target
     points = target.copy()

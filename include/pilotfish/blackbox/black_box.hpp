@@ -65,8 +65,9 @@ class BlackBox {
             std::int64_t counter) noexcept;
   /// A message as it went over the bus. An image_t with a JPEG on ROBOT_IMAGE lets a replay repeat the vision, too.
   void message(std::string_view channel, const void* data, std::size_t size_bytes) noexcept;
-  /// A raw picture: at black_box.picture_rate_hz one is kept as a JPEG of quality 95 on
-  /// ROBOT_IMAGE, for viewing. Encoded by the box's own thread; the pixels are shared, if the frame owns them.
+  /// A raw picture: at black_box.picture_rate_hz one is kept on ROBOT_IMAGE, as a JPEG of quality 95 for viewing, or
+  /// with black_box.raw_pictures as it is. Encoded by the box's own thread; the pixels are shared, if the frame owns
+  /// them.
   void picture(const Frame& frame) noexcept;
 
   Counters counters() const noexcept;  ///< since the start

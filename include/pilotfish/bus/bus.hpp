@@ -66,6 +66,10 @@ class Bus {
   void publish(const std::string& robot, const SetpointReport& report);     ///< on NAME_SETPOINT
   /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
   void publish_image(const std::string& channel, const Frame& frame);
+  /// On NAME_PREVIEW, as a JPEG of this quality (1 to 100), `shrink` times smaller on each side: pixel (i, j) is the
+  /// mean of the frame's pixels (i shrink to i shrink + shrink - 1, j likewise). The message says so: extra
+  /// `pilotfish_shrink`.
+  void publish_preview(const std::string& robot, const Frame& frame, int shrink, int quality);
 
   /// Decodes every picture received. To use only the newest, take on_encoded_image() and decode that one.
   void on_image(const std::string& channel, std::function<void(Frame)> handler);

@@ -89,6 +89,7 @@ struct StatusReport {
   std::int64_t utime = 0;             ///< exposure [us] of the image this answers
   Status status = Status::searching;  ///< what the coordinator is doing
   Reason reason = Reason::none;       ///< Reason for the status
+  std::string detail;                 ///< the reason's numbers, for people; at most 120 letters are sent, with the text
 #define PILOTFISH_FRAME_MEMBER(type, name, unit, source, value, text) type name{};
 #define PILOTFISH_LOOP_MEMBER(type, name, unit, value, text) type name{};
   PILOTFISH_STATUS_FIELDS(PILOTFISH_FRAME_MEMBER, PILOTFISH_LOOP_MEMBER)

@@ -47,6 +47,8 @@ Odometry odometry_from(std::string_view name);
 /// A leader's name on the bus; empty for "none". Throws ConfigError if it is no name.
 std::string leader_intent_from(const std::string& name);
 
+inline constexpr double kEveryPicture_hz = 1000.0;  ///< as BlackBoxConfig::picture_rate_hz: all of them
+
 /// The ring of files with everything that a replay needs; see blackbox/black_box.hpp.
 struct BlackBoxConfig {
   PILOTFISH_PARAMETERS(BlackBoxConfig);
@@ -55,8 +57,23 @@ struct BlackBoxConfig {
   PILOTFISH_PARAMETER(int, total_mb, 1000, 2, 1'000'000,
                       "size of all files of this robot; beyond, the oldest are deleted");
   PILOTFISH_PARAMETER(int, segment_mb, 50, 1, 1000, "size of one file");
-  PILOTFISH_PARAMETER(double, picture_rate_hz, 2.0, 0.0, 1000.0,
-                      "rate at which raw pictures are kept, as JPEG; images received as JPEG are all kept");
+  PILOTFISH_PARAMETER(double, picture_rate_hz, 2.0, 0.0, kEveryPicture_hz,
+                      "rate at which raw pictures are kept, as JPEG; 1000: every one, however fast they come. Images "
+                      "received as JPEG are all kept");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, raw_pictures, false,
+                                    "raw pictures are kept as they are, not as JPEG, so that a replay can repeat the "
+                                    "vision: 9 MB/s at 640 x 480, 30 Hz");
+  PILOTFISH_PARAMETER(double, max_age_h, 0.0, 0.0, 1e6,
+                      "files whose newest event is older are deleted, by the computer's clock; 0: only their size "
+                      "counts");
+};
+
+/// Small pictures for people on NAME_PREVIEW, where the camera's own are not on the bus.
+struct PreviewConfig {
+  PILOTFISH_PARAMETERS(PreviewConfig);
+  PILOTFISH_PARAMETER(double, rate_hz, 5.0, 0.0, 60.0, "at most so many a second; 0: none");
+  PILOTFISH_PARAMETER(int, max_width_px, 640, 80, 16384, "wider pictures are made smaller, by a whole factor");
+  PILOTFISH_PARAMETER(int, jpeg_quality, 60, 10, 100, "of the JPEG: 60 makes 25 kB of 640 x 480");
 };
 
 /// What `pilotfish-coordinator --config` reads: the coordinator's configuration plus what the program around it needs.
@@ -68,6 +85,7 @@ struct CoordinatorFile {
   std::string key_file;                ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;    ///< expected of the source; 1/T of the law unless control_period_s says otherwise
   BlackBoxConfig black_box;       ///< where and how much is recorded
+  PreviewConfig preview;          ///< pictures for people
   CoordinatorConfig coordinator;  ///< what Coordinator() takes
 };
 /// Throws ConfigError naming the key.

@@ -129,6 +129,8 @@ class Coordinator {
   static constexpr double kOtherClock_s = 1.0;  ///< farther from the last frame is another clock
   /// By the observer, since the start
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
+  /// Tags that the leader does not wear, in the last whole picture that was searched; 8 at most.
+  const std::vector<int>& foreign_ids() const { return observer_.foreign_ids(); }
   std::int64_t whole_picture_searches() const { return observer_.whole_picture_searches(); }  ///< since the start
   /// Times the stages of the observer from the next frame on, with the caller's clock; nullptr: not any more.
   void time_stages(vision::StageStopwatch::Clock clock) noexcept { observer_.time_stages(clock); }

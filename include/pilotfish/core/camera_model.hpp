@@ -12,12 +12,26 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// A pinhole camera with Brown-Conrady distortion, exactly OpenCV's model (k1, k2, p1, p2, k3). ViSP's
-/// "perspectiveProjWithDistortion" is the special case k1 = kud, all others zero.
+/// How a lens bends directions.
+enum class Lens {
+  brown_conrady,  ///< OpenCV's calibrateCamera, ROS's plumb_bob: k1, k2, p1, p2, k3
+  kannala_brandt  ///< a fisheye; OpenCV's fisheye module, ROS's equidistant: k1, k2, k3, k4
+};
+
+/// A camera as OpenCV models it, with one of two lenses. Points are in front of it (Z > 0): of a fisheye's picture that
+/// is what lies less than 90 degrees off its axis.
+///
+/// Brown-Conrady (k1, k2, p1, p2, k3); ViSP's "perspectiveProjWithDistortion" is the special case k1 = kud, all others
+/// zero:
 ///
 ///   x = X/Z, y = Y/Z, r2 = x^2 + y^2, radial = 1 + k1 r2 + k2 r2^2 + k3 r2^3
 ///   x' = x radial + 2 p1 x y + p2 (r2 + 2 x^2),  y' = y radial + p1 (r2 + 2 y^2) + 2 p2 x y
-///   u = fx x' + cx,  v = fy y' + cy            with (0, 0) the centre of the top-left pixel
+///
+/// Kannala-Brandt (k1, k2, k3, k4; IEEE PAMI 28(8), 2006): with r = sqrt(r2) and the angle to the axis t = atan(r),
+///
+///   td = t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8),  x' = x td / r,  y' = y td / r
+///
+/// Then u = fx x' + cx,  v = fy y' + cy         with (0, 0) the centre of the top-left pixel
 struct CameraModel {
   int width = 0;   ///< [px], of the images that were calibrated
   int height = 0;  ///< [px]
@@ -25,9 +39,13 @@ struct CameraModel {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< [px]
   /// Distortion, as above.
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
+  double k4 = 0.0;                  ///< of a Kannala-Brandt lens alone, which has no p1 and p2
+  Lens lens = Lens::brown_conrady;  ///< which of the two
 
   /// False for a pure pinhole.
-  bool has_distortion() const { return k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0 || k3 != 0.0; }
+  bool has_distortion() const {
+    return lens == Lens::kannala_brandt || k1 != 0.0 || k2 != 0.0 || p1 != 0.0 || p2 != 0.0 || k3 != 0.0;
+  }
   /// Throws ConfigError ("camera.fx: ...") on invalid sizes or intrinsics.
   void validate() const;
 };
@@ -39,7 +57,8 @@ Eigen::Matrix2d pixels_from_normalized(const CameraModel& camera, const Eigen::V
 /// Point in the camera frame [m] to pixels; nothing if it is not in front of the camera (Z <= 0).
 std::optional<Eigen::Vector2d> project(const CameraModel& camera, const Eigen::Vector3d& point_c);
 /// Pixels to the undistorted normalised image plane, by Newton's method on the distortion polynomial (error below 1e-10
-/// wherever the model is invertible).
+/// wherever the model is invertible). Pixels of a fisheye at 90 degrees and more off its axis come out far outside, at
+/// 89.9.
 Eigen::Vector2d normalize_pixel(const CameraModel& camera, const Eigen::Vector2d& pixel);
 
 /// Where the camera sits on the robot. With all angles zero it looks along the base's x axis.

@@ -21,8 +21,9 @@ struct Size {
   int height = 0;  ///< [px]
 };
 
-/// The picture as one baseline JPEG; empty if it cannot be encoded, for example because check() refuses it.
-std::vector<std::uint8_t> encode(const ImageView& image);
+/// The picture as one baseline JPEG of this quality (1 to 100); empty if it cannot be encoded, for example because
+/// check() refuses it.
+std::vector<std::uint8_t> encode(const ImageView& image, int quality = kQuality);
 
 /// The header's sizes, before anything is allocated or decoded; nothing if there is no valid header, or if a side
 /// is beyond kMaxFrameSide, or if there are too few bytes for so many pixels (a decompression bomb, or truncated).

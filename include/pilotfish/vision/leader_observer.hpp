@@ -80,6 +80,9 @@ class LeaderObserver {
   const RejectionCounters& rejected() const { return rejected_; }  ///< since the start
   /// How often a whole picture had to be searched, which takes a hundred times longer than to follow.
   std::int64_t whole_picture_searches() const { return whole_picture_searches_; }
+  /// Tags of the family that the leader does not wear, as of the last whole picture that was searched; each id once, 8
+  /// at most.
+  const std::vector<int>& foreign_ids() const { return foreign_ids_; }
 
   /// From the next frame on each stage is timed with that clock; nullptr, the default: not timed.
   void time_stages(StageStopwatch::Clock clock) noexcept { stopwatch_ = StageStopwatch(clock); }
@@ -108,6 +111,7 @@ class LeaderObserver {
   /// `origin_px`: the origin, in the picture, of the part that the detections refer to.
   Attempt track_detections(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
                            FoundBy found_by);
+  void note_foreign(int id);
   ObservationResult conclude(const Frame& frame, Attempt& attempt,
                              const std::optional<Eigen::Isometry3d>& predicted_cMo);
   ObservationResult measure(const Frame& frame, const Attempt& attempt,
@@ -122,6 +126,7 @@ class LeaderObserver {
   HeadingFilter heading_;
   RejectionCounters rejected_;
   std::int64_t whole_picture_searches_ = 0;
+  std::vector<int> foreign_ids_;
   StageStopwatch stopwatch_;
 };
 

@@ -6,7 +6,7 @@ import struct
 
 import numpy as np
 
-from pilotfish import core
+from pilotfish import blackbox, core
 from pilotfish.coordinator import ConfigBundle, ConfigOverrides, ConfigText, HeldCommand
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import box_start_t, held_t, measurement_t
@@ -70,13 +70,28 @@ def observation_of(message: measurement_t) -> core.Observation:
     )
 
 
-def original_jpeg(data: bytes) -> image_t | None:
-    """The image_t in these bytes, if it holds a JPEG as it came over the bus: those are the pixels vision saw."""
+_ORIGINALS = (image_t.PIXEL_FORMAT_MJPEG, image_t.PIXEL_FORMAT_GRAY)
+
+
+def original_picture(data: bytes) -> image_t | None:
+    """The image_t in these bytes, if it holds the pixels vision saw: a JPEG as it came over the bus, or raw ones."""
     if not data.startswith(image_t._get_packed_fingerprint()):
         return None
     message = image_t.decode(data)
     copied = any(extra.key == COPY_MARK for extra in message.metadata)
-    return None if copied or message.pixelformat != image_t.PIXEL_FORMAT_MJPEG else message
+    return None if copied or message.pixelformat not in _ORIGINALS else message
+
+
+def frame_of(picture: image_t) -> core.Frame:
+    """The frame in an original picture; one that vision refuses if there is none in it."""
+    size = {"width": picture.width, "height": picture.height}
+    frame = None
+    if picture.pixelformat == image_t.PIXEL_FORMAT_MJPEG:
+        frame = blackbox.decode_jpeg(bytes(picture.data), **size, utime=picture.utime)
+    elif picture.width > 0 and len(picture.data) == picture.width * picture.height:
+        pixels = np.frombuffer(bytes(picture.data), np.uint8).reshape(picture.height, picture.width)
+        frame = core.Frame(pixels, utime=picture.utime)
+    return frame or core.Frame.unchecked(b"", width=0, height=0, stride_bytes=0, utime=picture.utime)
 
 
 def bits(*numbers: float) -> bytes:

@@ -6,7 +6,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
-from pilotfish import blackbox, core
+from pilotfish import core
 from pilotfish.black_box import messages
 from pilotfish.black_box.log import Damage, Event
 from pilotfish.coordinator import Coordinator, CoordinatorFile, HeldCommand, StepResult, load_bundle
@@ -56,7 +56,7 @@ class ReplayReport:
     sent: int = 0  # commands that were sent, compared
     sent_unchecked: int = 0  # what they held was decided before the replay begins
     memories: int = 0  # of the core, at a start within a run, compared
-    observations: int = 0  # made again in recorded JPEGs, compared
+    observations: int = 0  # made again in recorded pictures, compared
     observations_unchecked: int = 0
     gaps: int = 0
     skipped: int = 0  # calls behind a gap, before the next start
@@ -73,7 +73,7 @@ def replay(
     on_progress: Callable[[int, int | None], None] | None = None,
 ) -> ReplayReport:
     """Every command is recomputed from the recorded calls; with ``from_pixels`` every observation as well, as far as
-    there are the JPEGs that the coordinator saw. ConfigError of the recorded configuration comes out as ValueError."""
+    there are the pictures that were seen. ConfigError of the recorded configuration comes out as ValueError."""
     run = _Run(from_pixels)
     handlers = {"_BOX": run.start, "_STEP": run.step, "_SENT": run.sent}
     for count, event in enumerate(events):
@@ -85,7 +85,7 @@ def replay(
         suffix = event.channel[event.channel.rfind("_") :]
         types = {"_BOX": box_start_t, "_STEP": step_t, "_SENT": sent_t}
         try:
-            message = types[suffix].decode(event.data) if suffix in types else messages.original_jpeg(event.data)
+            message = types[suffix].decode(event.data) if suffix in types else messages.original_picture(event.data)
         except Exception:  # lcm-gen's decoders raise whatever the bytes lead to
             run.report.unreadable += 1
             continue
@@ -250,10 +250,7 @@ class _Run:
                 self._sees = False
                 self.report.observations_unchecked += 1
             return None
-        size = {"width": picture.width, "height": picture.height}
-        frame = blackbox.decode_jpeg(bytes(picture.data), **size, utime=message.utime)
-        if frame is None:
-            frame = core.Frame.unchecked(b"", width=0, height=0, stride_bytes=0, utime=message.utime)
+        frame = messages.frame_of(picture)
         frame.known_age_us = message.known_age_us
         frame.coarse_search = bool(message.coarse_search)
         return self._core.step(frame, message.now_us)

@@ -21,7 +21,10 @@ def replay(
         bool, typer.Option("--assert", help="End with 1 if a bit differs, or if there was nothing to compare.")
     ] = False,
     from_pixels: Annotated[
-        bool, typer.Option("--from-pixels", help="Look at the recorded JPEGs again, too, where they came as JPEG.")
+        bool,
+        typer.Option(
+            "--from-pixels", help="Look at the recorded pictures again, too: JPEG as it came, and raw (--record-raw)."
+        ),
     ] = False,
     robot: Annotated[str | None, typer.Option(help="Whose, if several robots recorded into the folder.")] = None,
 ) -> None:
@@ -54,7 +57,10 @@ def replay(
         _show_first(report)
         unseen = from_pixels and not report.observations
         if unseen:
-            warn("no picture could be looked at again: only pictures that come as JPEG are recorded whole")
+            warn(
+                "no picture could be looked at again: only those that come as JPEG, or are recorded raw "
+                "(--record-raw), are what was seen"
+            )
     if must_agree and (report.differences or not report.commands or unseen):
         raise typer.Exit(1)
 
@@ -75,7 +81,7 @@ def _table(report: ReplayReport, from_pixels: bool) -> Table:
     }
     if from_pixels:
         rows["frames seen again, compared"] = report.observations
-        rows["frames without their JPEG"] = report.observations_unchecked
+        rows["frames without their picture"] = report.observations_unchecked
     rows["differences"] = report.differences
     for name, value in rows.items():
         table.add_row(name, str(value))
