@@ -24,8 +24,9 @@ from pilotfish.lcmtypes.pilotfish.status_t import status_t
 from scenes import leader_pictures
 
 SUMMARY = re.compile(
-    r"(?:tracking|coasting)[^:]*: leader measured in (\d+) of (\d+) frames, ([\d.]+) Hz; d ([\d.]+) m \(([+-]\d+) mm\), "
-    r"bearing (-?[\d.]+) deg \(([+-][\d.]+)\); v ([\d.-]+) m/s, w ([\d.-]+) rad/s; answered within [\d.]+ ms"
+    r"(?:tracking|coasting)[^:]*: leader measured in (\d+) of (\d+) frames, ([\d.]+) Hz; "
+    r"d ([\d.]+) m \(([+-]\d+) mm\), bearing (-?[\d.]+) deg \(([+-][\d.]+)\); "
+    r"v ([\d.-]+) m/s, w ([\d.-]+) rad/s; answered within [\d.]+ ms"
 )
 
 

@@ -9,8 +9,7 @@ from pinhole_drawing import Photography, draw, leader_pose
 from pilotfish.core import BodyTag, CameraModel, CameraMounting, FoundBy, Frame, LeaderBody, Lens
 from pilotfish.vision import LeaderObserver, LeaderObserverConfig
 
-# 640 px wide, 100 degrees to each side of the axis would be at 250 (1.745 - 0.04 1.745^3 ...) = 385 px: the left and right
-# edges, at 320 px, look some 77 degrees to the side.
+# t = 1.344, 77 degrees off the axis: 250 (t - 0.04 t^3 + 0.012 t^5 - 0.005 t^7 + 0.0006 t^9) = 317 px, near the edges.
 FISHEYE = CameraModel(
     width=640, height=480, fx=250, fy=250, cx=322, cy=236,
     k1=-0.04, k2=0.012, k3=-0.005, k4=0.0006, lens=Lens.kannala_brandt,
@@ -31,8 +30,8 @@ def leader_at(distance_m, bearing_rad, heading_rad):
 @pytest.mark.parametrize("bearing_deg", [0, -25, 45, -60])
 def test_a_leader_far_off_the_axis_is_measured_as_well_as_one_on_it(bearing_deg):
     """With a corner within 0.02 px (see test_leader_observer.py) and the tag facing the camera, so that it is
-    f s / d = 250 0.16 / 0.8 = 50 px wide on the axis and two thirds of that off it: d sigma / (f s) 0.02 px at 0.8 m are
-    0.3 mm, and half as much again off the axis; the bearing is better than a tenth of a pixel, 0.4 mrad."""
+    f s / d = 250 0.16 / 0.8 = 50 px wide on the axis and two thirds of that off it: 0.02 px of 50 are 0.3 mm of 0.8 m,
+    and half as much again off the axis; the bearing is better than a tenth of a pixel, 0.4 mrad."""
     vision, errors = observer(FISHEYE), []
     for i in range(6):
         bearing = np.radians(bearing_deg + i)
