@@ -10,6 +10,18 @@ from pilotfish import data as shipped
 PERIOD_US = 33_333
 
 
+def scenario_with(name: str, part: str, **changes: float) -> sim.Scenario:
+    """A shipped scenario whose robot has another ``camera`` or ``drive`` (``part``) than its coordinator is told."""
+    scenario = sim.load_scenario(shipped.path(f"scenarios/{name}.yaml"))
+    robots = scenario.robots
+    changed = getattr(robots[1], part)
+    for key, value in changes.items():
+        setattr(changed, key, value)
+    setattr(robots[1], part, changed)
+    scenario.robots = robots
+    return scenario
+
+
 def leader_pictures(count: int, *, hidden_from: int | None = None, start_utime: int = 1_000_000) -> list[core.Frame]:
     """What the line scenario's coordinator sees if it stands still: the leader drives ahead. From frame
     ``hidden_from`` on the pictures are gray, with a sensor's noise."""

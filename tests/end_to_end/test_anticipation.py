@@ -4,13 +4,14 @@ times the noise that rendered pictures were measured to have; one run renders.""
 import numpy as np
 import pytest
 
-from pilotfish import core, sim
+from pilotfish import core
 from pilotfish import data as shipped
 from pilotfish.experiments import CIRCLE, LINE, run_experiment
 from pilotfish.harness.drawn_observations import DrawnObservations, ObservationNoise
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import evaluate
+from scenes import scenario_with
 
 # v (latency + lag) + v^2 / 2a for 0.2 m/s, one frame, 0.1 s and 1 m/s2: what no law can help.
 PHYSICAL_LIMIT_M = 0.2 * (1 / 30 + 0.1) + 0.2**2 / 2
@@ -92,21 +93,9 @@ def test_a_wrong_model_of_the_own_drive_leaves_no_steady_state_error(which):
     assert figures.overshoot_m < 0.05
 
 
-def with_drive(which, **changes):
-    """The scenario, with a robot whose drive is another than its coordinator thinks."""
-    spec = sim.load_scenario(shipped.path(f"scenarios/{which}.yaml"))
-    robots = spec.robots
-    drive = robots[1].drive
-    for key, value in changes.items():
-        setattr(drive, key, value)
-    robots[1].drive = drive
-    spec.robots = robots
-    return spec
-
-
 def slow_wheels(which):
     """A robot whose wheels do 0.35 m/s at most."""
-    return with_drive(which, max_linear_mps=0.35)
+    return scenario_with(which, "drive", max_linear_mps=0.35)
 
 
 def test_wheels_that_cannot_do_what_is_commanded_only_cost_time():
@@ -139,7 +128,8 @@ def test_with_odometry_a_drive_that_brakes_at_less_than_half_the_rate_it_is_thou
     27 mm.
     """
     spec = {"max_linear_acceleration_mps2": 0.4}
-    without, run = (played("stop_dead", spec=with_drive("stop_dead", **spec), feed=t) for t in (None, feed_odometry))
+    runs = [scenario_with("stop_dead", "drive", **spec) for _ in range(2)]
+    without, run = (played("stop_dead", spec=s, feed=t) for s, t in zip(runs, (None, feed_odometry), strict=True))
     last_second = run.time_s > run.time_s[-1] - 1.0
     assert np.abs(without.distance_error_m).max() > 0.2
     assert np.abs(without.distance_error_m[last_second]).max() > 0.02

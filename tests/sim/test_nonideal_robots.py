@@ -10,6 +10,7 @@ from pilotfish import core, sim
 from pilotfish import data as shipped
 from pilotfish.core import Twist
 from pilotfish.experiments import LINE, run_experiment
+from scenes import scenario_with
 
 PROMPT = {
     "max_linear_acceleration_mps2": 1000.0,
@@ -99,14 +100,7 @@ def test_a_response_leaves_black_and_white_where_they_are():
 
 
 def world_of(**camera):
-    scenario = sim.load_scenario(shipped.path("scenarios/line.yaml"))
-    robots = scenario.robots
-    spec = robots[1].camera
-    for key, value in camera.items():
-        setattr(spec, key, value)
-    robots[1].camera = spec
-    scenario.robots = robots
-    return sim.World(scenario)
+    return sim.World(scenario_with("line", "camera", **camera))
 
 
 def direction_deg(world):
