@@ -9,6 +9,8 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace pilotfish::apps {
@@ -28,6 +30,18 @@ speed_t speed_of(int baud) {
 }
 
 [[noreturn]] void fail(const std::string& what) { throw SerialError(what + ": " + std::strerror(errno)); }
+
+/// With what to do about it: the lines that there are, or the right that is missing.
+std::string why_not_opened(const std::string& device, int problem) {
+  std::string text = "cannot open the serial line " + device + ": " + std::strerror(problem);
+  if (problem == EACCES) return text + "; does your user belong to the group dialout? (sudo usermod -aG dialout $USER)";
+  if (problem != ENOENT) return text;
+  std::string there;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/serial/by-id", none))
+    there += (there.empty() ? "" : ", ") + entry.path().string();
+  return text + (there.empty() ? "; no serial line is plugged in (/dev/serial/by-id lists them)" : "; there is: " + there);
+}
 
 void set_up(int descriptor, const std::string& device, speed_t speed) {
   if (isatty(descriptor) == 0) throw SerialError(device + " is not a serial line");
@@ -51,7 +65,7 @@ void set_up(int descriptor, const std::string& device, speed_t speed) {
 SerialPort::SerialPort(const std::string& device, int baud) {
   const speed_t speed = speed_of(baud);
   descriptor_ = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor_ < 0) fail(device);
+  if (descriptor_ < 0) throw SerialError(why_not_opened(device, errno));
   try {
     set_up(descriptor_, device, speed);
   } catch (const SerialError&) {

@@ -46,10 +46,22 @@ std::string keyword_signature(const std::string& before = "", const std::string&
          ") -> None\n\nConfigError (a ValueError) names a number out of its range, TypeError an unknown keyword.";
 }
 
+/// What can be set by name, in the order of the alphabet.
+inline std::string attribute_names(const py::object& self) {
+  std::string names;
+  for (const auto& name : py::reinterpret_steal<py::list>(PyObject_Dir(py::type::of(self).ptr()))) {
+    const py::object attribute = py::type::of(self).attr(name);
+    if (!py::isinstance(attribute, py::module_::import("builtins").attr("property"))) continue;
+    names += (names.empty() ? "" : ", ") + py::str(name).cast<std::string>();
+  }
+  return names;
+}
+
 inline void set_attributes(const py::object& self, const py::kwargs& values, const std::string& name) {
   for (auto [key, value] : values) {
     if (!py::hasattr(self, key))
-      throw py::type_error(name + " has no parameter '" + py::str(key).cast<std::string>() + "'");
+      throw py::type_error(name + " has no parameter '" + py::str(key).cast<std::string>() + "'; it has: " +
+                           attribute_names(self));
     py::setattr(self, key, py::reinterpret_borrow<py::object>(value));
   }
 }

@@ -98,7 +98,13 @@ def test_real_wheels_need_their_size(tmp_path):
     assert "wheels: is missing" in done.stderr
 
 
-@pytest.mark.parametrize(("device", "words"), [("/dev/nothing", "No such file"), ("/dev/null", "is not a serial line")])
+@pytest.mark.parametrize(
+    ("device", "words"),
+    [
+        ("/dev/nothing", "cannot open the serial line /dev/nothing: No such file or directory; "),
+        ("/dev/null", "is not a serial line"),
+    ],
+)
 def test_a_line_that_cannot_be_opened_ends_with_69(device, words):
     done = run("--config", CONFIG, "--driver", f"serial:{device}")
     assert done.returncode == 69

@@ -92,6 +92,15 @@ def test_explain_says_why_and_draws_it(tmp_path):
     assert "EC is NS" in wide and "EC is NS" not in said  # a wide B' reaches NS
 
 
+def test_an_input_beyond_its_universe_is_explained_with_a_warning_and_as_its_end():
+    code, said = run("explain", SHIPPED, "--e", "7", "--ec", "-2")
+    assert code == 0
+    assert "warning: E = 7 is beyond its universe and counts as 1" in said
+    assert "warning: EC = -2 is beyond its universe and counts as -1" in said
+    table = said[said.index("IF ") :]
+    assert table in run("explain", SHIPPED, "--e", "1", "--ec", "-1")[1]
+
+
 def test_convert_there_and_back_changes_nothing(controller, tmp_path):
     there, back = tmp_path / "sub" / "law.fll", tmp_path / "law.yaml"
     assert run("convert", SHIPPED, there)[0] == 0

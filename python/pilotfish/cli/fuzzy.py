@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors
+from pilotfish.cli.console import console, friendly_errors, warn
 from pilotfish.cli.options import between
 from pilotfish.errors import ConfigError
 
@@ -128,6 +128,10 @@ def explain(
     with friendly_errors():
         controller = load(file)
         widths = fuzzy.InputWidths(error=width_error, error_change=width_error_change)
+        for variable, value in ((controller.error, error), (controller.error_change, error_change)):
+            if not variable.min <= value <= variable.max:
+                nearest = min(max(value, variable.min), variable.max)
+                warn(f"{variable.name} = {value:g} is beyond its universe and counts as {nearest:g}")
         console.print(firing_table(controller, fuzzy.explain(controller, error, error_change, widths)))
         if out is not None:
             console.print(
