@@ -95,5 +95,5 @@ def test_a_parameter_out_of_range_is_refused_with_its_value_and_range():
 
 
 def test_an_unknown_parameter_is_refused_by_name():
-    with pytest.raises(TypeError, match="BodyTag has no parameter 'size_cm'; it has: .*position_m, roll_rad, size_m"):
+    with pytest.raises(TypeError, match=r"BodyTag has no parameter 'size_cm'; it has: .*position_m, roll_rad, size_m"):
         core.BodyTag(size_cm=16)
