@@ -14,10 +14,12 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from pilotfish.core import BodyTag, LeaderBody
 from pilotfish.leader import Visibility, sheet_of
 from pilotfish.plots.style import BLUE, GREEN, ORANGE, VERMILLION, style
+from pilotfish.printing.quantities import millimetres
 from pilotfish.printing.tag_art import tag_art
 
 _BLIND, _ONE_PLANE, _SURE = VERMILLION, ORANGE, GREEN
 _AXES = ((BLUE, "x forward", (1, 0, 0)), (GREEN, "y left", (0, 1, 0)), (VERMILLION, "z up", (0, 0, 1)))
+_ELEVATION_DEG, _AZIMUTH_DEG = 24.0, 150.0
 _WRAP = 150  # characters in a line of the remarks
 
 
@@ -27,10 +29,7 @@ def draw_leader(body: LeaderBody, visibility: Visibility, remarks: Sequence[str]
     with style():
         height = 6.0 + 0.2 * len(lines)
         figure = Figure(figsize=(12.5, height))
-        sizes = sorted({tag.size_m for tag in body.tags})
-        said = " and ".join(f"{size * 1e3:g} mm" for size in sizes) if len(sizes) < 4 else f"{len(sizes)} sizes"
-        count = f"{len(body.tags)} tag{'s' if len(body.tags) > 1 else ''}"
-        title = f"{body.name}: {count} of {body.family}, black squares of {said}"
+        title = f"{body.name}: {body.family}, black squares of {_sizes(body)}"
         figure.suptitle(title, x=0.02, ha="left", fontsize=12, weight="bold")
         grid = figure.add_gridspec(2, 2, height_ratios=[6.0, max(0.2 * len(lines), 0.05)])
         _draw_in_space(figure.add_subplot(grid[0, 0], projection="3d"), body)
@@ -56,38 +55,66 @@ def _extent_m(body: LeaderBody) -> float:
 
 
 def _draw_in_space(axes: Axes3D, body: LeaderBody) -> None:
+    axes.computed_zorder = False  # else arrows and names disappear behind paper that is nearer on the average
     extent = _extent_m(body)
+    eye = _direction(_ELEVATION_DEG, _AZIMUTH_DEG)
+    cells, colours = [], []
     for tag in body.tags:
         sheet = sheet_of(tag, body.family)
-        axes.add_collection3d(
-            Poly3DCollection([sheet.corners_m()], facecolor="white", edgecolor="#888888", linewidth=0.6)
+        squares, black = _cells_m(tag, body.family)
+        is_front = sheet.looks @ eye > 0.0
+        cells += squares
+        colours += [("black" if dark else "white") if is_front else "#BBBBBB" for dark in black]
+        axes.plot(*sheet.corners_m()[[0, 1, 2, 3, 0]].T, color="#888888", linewidth=0.6, zorder=3)
+        looks = sheet.looks * 0.5 * extent
+        axes.quiver(*sheet.centre_m, *looks, color=BLUE, linewidth=1.2, arrow_length_ratio=0.15, zorder=10)
+        axes.text(
+            *(sheet.centre_m + 1.15 * looks),
+            str(tag.id),
+            color=BLUE,
+            weight="bold",
+            ha="center",
+            va="center",
+            zorder=11,
         )
-        axes.add_collection3d(Poly3DCollection(_black_cells_m(tag, body.family), facecolor="black", linewidth=0))
-        looks = sheet.looks * 0.6 * extent
-        axes.quiver(*sheet.centre_m, *looks, color=BLUE, linewidth=1.2, arrow_length_ratio=0.15)
-        at = sheet.centre_m + 1.12 * looks
-        axes.text(*at, str(tag.id), color=BLUE, weight="bold", ha="center", va="center")
+    # One collection for all: matplotlib sorts by depth within a collection only.
+    axes.add_collection3d(Poly3DCollection(cells, facecolors=colours, edgecolors=colours, linewidths=0.3, zorder=2))
     for colour, name, direction in _AXES:
         end = 0.5 * extent * np.array(direction)
-        axes.quiver(0, 0, 0, *end, color=colour, linewidth=1.5, arrow_length_ratio=0.15)
-        axes.text(*(1.2 * end), name, color=colour, fontsize=8)
-    axes.set_box_aspect((1, 1, 0.6))
-    axes.set(xlim=(-extent, extent), ylim=(-extent, extent), zlim=(0, 1.2 * extent))
+        axes.quiver(0, 0, 0, *end, color=colour, linewidth=1.5, arrow_length_ratio=0.15, zorder=1)
+        axes.text(*(1.2 * end), name, color=colour, fontsize=8, zorder=1)
+    highest = max(1.2 * extent, *(sheet_of(tag, body.family).corners_m()[:, 2].max() for tag in body.tags))
+    axes.set_box_aspect((1, 1, highest / (2 * extent)))
+    axes.set(xlim=(-extent, extent), ylim=(-extent, extent), zlim=(0, highest))
     axes.set(xlabel="forward [m]", ylabel="left [m]", zlabel="up [m]")
     axes.set_title("As it hangs (seen from its left, behind and above)")
-    axes.view_init(elev=24, azim=150)
+    axes.view_init(elev=_ELEVATION_DEG, azim=_AZIMUTH_DEG)
 
 
-def _black_cells_m(tag: BodyTag, family: str) -> list[np.ndarray]:
-    """A (4, 3) polygon for every black cell, a little in front of the paper, so that it is drawn over it."""
+def _direction(elevation_deg: float, azimuth_deg: float) -> np.ndarray:
+    """(3,): towards who looks, as matplotlib counts."""
+    up, round_z = math.radians(elevation_deg), math.radians(azimuth_deg)
+    return np.array([math.cos(up) * math.cos(round_z), math.cos(up) * math.sin(round_z), math.sin(up)])
+
+
+def _sizes(body: LeaderBody) -> str:
+    """'160 mm', or with the ids if they differ: '160 mm (0), 100 mm (1, 5)'."""
+    sizes = sorted({tag.size_m for tag in body.tags}, reverse=True)
+    if len(sizes) == 1:
+        return millimetres(sizes[0])
+    ids = {size: ", ".join(str(tag.id) for tag in body.tags if tag.size_m == size) for size in sizes}
+    return ", ".join(f"{millimetres(size)} ({ids[size]})" for size in sizes)
+
+
+def _cells_m(tag: BodyTag, family: str) -> tuple[list[np.ndarray], list[bool]]:
+    """A (4, 3) polygon for every cell, the white border's too, and whether it is black."""
     art = tag_art(family, tag.id, tag.size_m)
+    black = np.pad(art.black, 1)
     oMt = tag.oMt
-    rows, columns = np.nonzero(art.black)
+    rows, columns = np.indices(black.shape).reshape(2, -1)
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-    middle = len(art.black) / 2
-    flat = (np.stack([columns, rows], axis=-1)[:, None, :] + square - middle) * art.cell_m
-    lift = np.full((*flat.shape[:2], 1), -0.01 * tag.size_m)
-    return list(np.concatenate([flat, lift], axis=-1) @ oMt[:3, :3].T + oMt[:3, 3])
+    flat = (np.stack([columns, rows], axis=-1)[:, None, :] + square - len(black) / 2) * art.cell_m
+    return list(flat @ oMt[:3, :2].T + oMt[:3, 3]), black.ravel().tolist()
 
 
 def _draw_from_above(axes: Axes, body: LeaderBody, visibility: Visibility) -> None:
