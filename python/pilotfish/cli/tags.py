@@ -73,7 +73,9 @@ def tags(
     faces: Annotated[
         int | None,
         typer.Option(
-            min=1, max=12, help="Tags side by side on one sheet, folded between them.", rich_help_panel=SCREEN
+            callback=between(1, 12, "faces"),
+            help="Tags side by side on one sheet, folded between them.",
+            rich_help_panel=SCREEN,
         ),
     ] = None,
     angle_deg: Annotated[
@@ -171,7 +173,7 @@ def tags(
         elif body is not None:
             _print_body(_load_body(body), sheet, border_cells, fold, out or Path(f"{body.stem}.pdf"))
         elif faces is not None or leader is not None:
-            numbers = _ids(ids or (f"0-{faces - 1}" if faces else "0"))
+            numbers = _ids(ids if ids is not None else f"0-{(faces or 1) - 1}")
             if faces is not None and len(numbers) != faces:
                 raise typer.BadParameter(f"--faces {faces} needs {faces} ids, --ids {ids} has {len(numbers)}")
             if faces is None and len(numbers) > 1:
@@ -188,7 +190,9 @@ def tags(
             if leader is not None:
                 _write_leader(leader, designed, pdf)
         else:
-            _print_tags(_ids(ids), _size(size), family or "tag36h11", sheet, border_cells, out or Path("tags.pdf"))
+            _print_tags(
+                _ids(ids or ""), _size(size), family or "tag36h11", sheet, border_cells, out or Path("tags.pdf")
+            )
 
 
 _OF_BOARDS = ("columns", "rows", "square", "marker", "dictionary")
@@ -238,16 +242,16 @@ def _read(option: str, parse: Callable[..., _Read], *arguments: object) -> _Read
         raise typer.BadParameter(f"{option}: {error}") from None
 
 
-def _ids(text: str | None) -> list[int]:
+def _ids(text: str) -> list[int]:
     from pilotfish.printing import parse_ids
 
-    return _read("--ids", parse_ids, text or "0")
+    return _read("--ids", parse_ids, text)
 
 
 def _size(text: str | None) -> float:
     from pilotfish.printing import parse_length_m
 
-    return _read("--size", parse_length_m, text or "0.16", *SIZE_M)
+    return _read("--size", parse_length_m, "0.16" if text is None else text, *SIZE_M)
 
 
 def _board(kind: str, columns: int, rows: int, square: str, marker: str | None, dictionary: str | None) -> Board:
