@@ -54,8 +54,7 @@ def test_opencv_finds_every_corner_of_a_charuco_board_where_its_description_has_
 
 @pytest.mark.parametrize(("board", "paper"), CHARUCO)
 def test_a_charuco_board_is_drawn_as_opencv_draws_it(tmp_path, board, paper):
-    """Cell by cell: its own picture of the board, with 4 pixels to every cell of a marker at least, around the page's
-    board."""
+    """The page, warped onto OpenCV's own picture of the board."""
     page = printed(tmp_path, board, paper)
     corners, ids, _, _ = cv2.aruco.CharucoDetector(opencv_board(board)).detectBoard(page)
     side_px = 120

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,7 @@ from pilotfish.core import BodyTag
 from pilotfish.vision import TagFamily
 
 WHITE_CELLS = 1  # the border that a tag needs
+APART_M = 0.001  # sheets that are nearer lie on each other
 
 
 @dataclass(frozen=True)
@@ -36,14 +36,29 @@ class Sheet:
         """The same, with that much cut off on all sides."""
         return Sheet(self.centre_m, self.axes, max(self.half_m - by_m, 0.0))
 
-    def is_crossed(self, start_m: np.ndarray, end_m: np.ndarray) -> np.ndarray:
-        """Whether the segments from start_m to end_m (..., 3) go through it."""
+    def hides(self, eye_m: np.ndarray, point_m: np.ndarray) -> np.ndarray:
+        """Whether it is between the eyes (N, 3) and a point (3,) that lies a millimetre or more behind it. Tags that
+        are glued onto one board do not hide each other."""
         normal = self.axes[:, 2]
-        before, after = (start_m - self.centre_m) @ normal, (end_m - self.centre_m) @ normal
-        crosses = before * after < 0.0
+        before, after = (eye_m - self.centre_m) @ normal, (point_m - self.centre_m) @ normal
+        crosses = (before * after < 0.0) & (np.abs(after) >= APART_M)
         share = np.where(crosses, before / np.where(crosses, before - after, 1.0), 0.0)
-        point = start_m + share[..., None] * (end_m - start_m)
-        return crosses & (np.abs((point - self.centre_m) @ self.axes[:, :2]) < self.half_m).all(axis=-1)
+        through = eye_m + share[:, None] * (point_m - eye_m)
+        return crosses & (np.abs((through - self.centre_m) @ self.axes[:, :2]) < self.half_m).all(axis=-1)
+
+    def on_line(self, point_m: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
+        """From where to where a line in its plane, point_m + t direction, is inside of it: t; the first is the larger
+        if it is nowhere."""
+        first, last = -np.inf, np.inf
+        for axis in (self.axes[:, 0], self.axes[:, 1]):
+            at, slope = float((point_m - self.centre_m) @ axis), float(direction @ axis)
+            if abs(slope) < 1e-12:
+                if abs(at) >= self.half_m:
+                    return 1.0, -1.0
+                continue
+            ends = sorted(((-self.half_m - at) / slope, (self.half_m - at) / slope))
+            first, last = max(first, ends[0]), min(last, ends[1])
+        return first, last
 
 
 def sheet_of(tag: BodyTag, family: str, *, with_border: bool = True) -> Sheet:
@@ -56,19 +71,21 @@ def sheet_of(tag: BodyTag, family: str, *, with_border: bool = True) -> Sheet:
     return Sheet(oMt[:3, 3], oMt[:3, :3], side_m / 2)
 
 
-def overlap(a: Sheet, b: Sheet, *, apart_m: float = 0.001) -> bool:
-    """Whether two sheets are in each other's way: they cross, or lie on each other, nearer than apart_m in parallel
-    planes."""
-    if abs(a.axes[:, 2] @ b.axes[:, 2]) > np.cos(np.radians(1.0)):
-        return bool(abs(a.axes[:, 2] @ (b.centre_m - a.centre_m)) < apart_m and _overlap_in_plane(a, b))
-    edges = [(s, *edge) for s, other in ((a, b), (b, a)) for edge in _edges(other)]
-    return any(bool(sheet.is_crossed(start, end)) for sheet, start, end in edges)
+def overlap(a: Sheet, b: Sheet) -> bool:
+    """Whether two sheets are in each other's way: they cross, or lie on each other, nearer than APART_M in parallel
+    planes.
 
-
-def _edges(sheet: Sheet) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    corners = sheet.corners_m()
-    for k in range(4):
-        yield corners[k], corners[(k + 1) % 4]
+    Two squares cross if they share a part of the line in which their planes meet.
+    """
+    normals = a.axes[:, 2], b.axes[:, 2]
+    if abs(normals[0] @ normals[1]) > np.cos(np.radians(1.0)):
+        return bool(abs(normals[0] @ (b.centre_m - a.centre_m)) < APART_M and _overlap_in_plane(a, b))
+    direction = np.cross(*normals)
+    direction /= np.linalg.norm(direction)
+    offsets = [normals[0] @ a.centre_m, normals[1] @ b.centre_m, direction @ a.centre_m]
+    point = np.linalg.solve(np.array([*normals, direction]), offsets)
+    parts = a.on_line(point, direction), b.on_line(point, direction)
+    return max(first for first, _ in parts) < min(last for _, last in parts)
 
 
 def _overlap_in_plane(a: Sheet, b: Sheet) -> bool:

@@ -95,7 +95,7 @@ def _is_seen(eyes: np.ndarray, k: int, black: list[Sheet], paper: list[Sheet]) -
     for other, sheet in enumerate(paper):
         if other != k:
             for point in points:
-                seen &= ~sheet.is_crossed(eyes, np.broadcast_to(point, eyes.shape))
+                seen &= ~sheet.hides(eyes, point)
     return seen
 
 
