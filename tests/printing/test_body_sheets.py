@@ -204,6 +204,20 @@ def test_faces_above_each_other_fold_too(tmp_path):
     assert "30.0° to the back" in words_of(tmp_path / "body.pdf")[0]
 
 
+def test_beside_a_smaller_face_the_rest_of_the_larger_one_s_side_is_cut(tmp_path):
+    """Sheets of 100 and of 50 mm, folded by 90 degrees at 50 and 25 mm from their centres: the larger one's side is solid
+    from its top for 25 mm, then dashed for 50 mm, then solid again."""
+    body = core.LeaderBody([tag(0, 0.08, [-0.2, 0, 0.25], 180), tag(1, 0.04, [-0.175, 0.05, 0.25], 90)])
+    (page,) = printed(tmp_path, body)
+    squares = {tag_id: corners_mm(page, corners) for tag_id, corners in find_tags(page).items()}
+    (line,) = fold_lines_mm(page, {0: squares[0], 1: squares[1]})
+    assert line == pytest.approx(squares[0][0, 0] - 10, abs=0.1)
+    spans = dark_spans_mm(page[:, round((line + 0.08) / PIXEL_MM)])  # beside the middle: cut lines are inside the sheet
+    spans = spans[spans[:, 1] - spans[:, 0] > 5]
+    top = squares[0][2, 1] - 10
+    assert spans.ravel() == pytest.approx([top, top + 25, top + 75, top + 100], abs=0.3)
+
+
 def test_tags_that_do_not_adjoin_are_on_sheets_of_their_own(tmp_path):
     body = core.LeaderBody([tag(0, 0.06, [-0.2, 0, 0.25], 180), tag(1, 0.06, [0, 0.2, 0.25], 90)])
     assert [sorted(find_tags(page)) for page in printed(tmp_path, body)] == [[0], [1]]

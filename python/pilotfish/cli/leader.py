@@ -63,7 +63,8 @@ HeightOption = Annotated[
 def show(
     file: FileArgument,
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", dir_okay=False, help="The picture: .png, .svg or .pdf.")
+        Path | None,
+        typer.Option("--out", "-o", dir_okay=False, help="The picture: .png, .svg or .pdf.", show_default="NAME.png"),
     ] = None,
     config: ConfigOption = None,
     camera: CameraOption = None,
@@ -75,12 +76,13 @@ def show(
     \b
     Examples
       pilotfish leader show data/leaders/three_faces.yaml --out three_faces.png
-      pilotfish leader show my_robot.yaml --config data/config/coordinator.yaml -o my_robot.svg
+      pilotfish leader show my_robot.yaml --out my_robot.svg \\
+          --config data/config/coordinator.yaml
     """
     from pilotfish.plots.leader_picture import draw_leader
     from pilotfish.plots.style import save
 
-    picture = out or file.with_suffix(".png")
+    picture = out or Path(f"{file.stem}.png")
     if picture.suffix.lower() not in _SUFFIXES:
         raise typer.BadParameter(f"--out: '{picture.name}' ends in none of {', '.join(_SUFFIXES)}")
     with friendly_errors():
