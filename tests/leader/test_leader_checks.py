@@ -102,7 +102,8 @@ def test_a_tag_that_faces_into_the_body_is_named_with_where_it_should_look():
     (text,) = [text for text in said(found, Level.warning) if "faces into the body" in text]
     assert text.startswith("tag 1 ")
     assert "outward would be facing_deg 90, not -90" in text
-    assert not bad(findings(tag(0), tag(1, position_m=(0.0, 0.2, 0.25), facing_deg=90.0)))
+    for outward_deg in (90.0, 180.0):  # to the left, or beside the body to the rear
+        assert not bad(findings(tag(0), tag(1, position_m=(0.0, 0.2, 0.25), facing_deg=outward_deg)))
 
 
 def test_one_flat_tag_leaves_the_heading_ambiguous_and_so_do_two_in_one_plane():

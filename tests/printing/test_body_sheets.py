@@ -205,8 +205,8 @@ def test_faces_above_each_other_fold_too(tmp_path):
 
 
 def test_beside_a_smaller_face_the_rest_of_the_larger_one_s_side_is_cut(tmp_path):
-    """Sheets of 100 and of 50 mm, folded by 90 degrees at 50 and 25 mm from their centres: the larger one's side is solid
-    from its top for 25 mm, then dashed for 50 mm, then solid again."""
+    """Sheets of 100 and of 50 mm, folded by 90 degrees at 50 and 25 mm from their centres: the larger one's side is
+    solid from its top for 25 mm, then dashed for 50 mm, then solid again."""
     body = core.LeaderBody([tag(0, 0.08, [-0.2, 0, 0.25], 180), tag(1, 0.04, [-0.175, 0.05, 0.25], 90)])
     (page,) = printed(tmp_path, body)
     squares = {tag_id: corners_mm(page, corners) for tag_id, corners in find_tags(page).items()}

@@ -136,6 +136,10 @@ def test_the_white_border_is_left_white_and_the_marks_are_where_it_ends(tmp_path
     above = dark_spans_mm(page[round((top - 12.5) / PIXEL_MM)])
     assert above[0, 0] == pytest.approx(left - 10, abs=0.05)
     assert above[-1, 1] == pytest.approx(right + 10, abs=0.05)
+    # Those below are under the strip of 5 mm for the id.
+    below = dark_spans_mm(page[round((bottom + 10 + 5 + 2.5) / PIXEL_MM)])
+    assert below[0, 0] == pytest.approx(left - 10, abs=0.05)
+    assert below[-1, 1] == pytest.approx(right + 10, abs=0.05)
     beside = dark_spans_mm(page[:, round((left - 12.5) / PIXEL_MM)])
     beside = beside[(beside[:, 0] > top - 11) & (beside[:, 1] < bottom + 11)]
     assert beside[0, 0] == pytest.approx(top - 10, abs=0.05)
