@@ -230,6 +230,18 @@ def test_nothing_is_printed_where_printers_cannot(tmp_path, paper, faces, size_m
         assert (rim(page) == 255).all()
 
 
+@pytest.mark.parametrize("paper", ["140x140mm", "A4"])
+@pytest.mark.parametrize("size_m", [0.005, 0.02])
+def test_a_long_name_and_small_tags_do_not_run_off_the_page(tmp_path, paper, size_m):
+    """And words of neighbours do not meet: each of the twelve labels can be read as a word of its own."""
+    body = folded_screen(range(100, 112), size_m, math.radians(20), name="a leader with a name that is too long " * 9)
+    for page in printed(tmp_path, body, paper):
+        assert (rim(page) == 255).all()
+    said = " ".join(words_of(tmp_path / "body.pdf")).split()
+    assert [word for word in said if word in {str(k) for k in range(100, 112)}] != []
+    assert all(str(k) in said for k in range(100, 112))
+
+
 def test_a_tag_that_is_larger_than_the_paper_is_refused_with_the_largest():
     with pytest.raises(ConfigError, match=r"size_m of tag 0: its sheet of 250 mm .* A4; the largest .* is 168 mm"):
         body_pages(folded_screen([0], 0.2, 0.0), parse_paper("A4"))

@@ -41,7 +41,7 @@ def tags(
         ),
     ] = None,
     paper: Annotated[
-        str, typer.Option(help="A4, Letter, A3, Tabloid, A2, A1, A0, or width x height as 600x300mm.")
+        str, typer.Option(help="A4, Letter, A5, A3, Tabloid, A2, A1, A0, or width x height as 600x300mm.")
     ] = "A4",
     border_cells: Annotated[
         float,

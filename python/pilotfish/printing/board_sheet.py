@@ -15,7 +15,7 @@ from pilotfish.printing.paper import Paper
 from pilotfish.printing.quantities import millimetres
 
 _WHITE_M = 0.0025  # around the board, besides the margin of the paper
-_TITLE_M = 0.0045
+_TITLE_M = 0.0045  # above the ruler
 
 
 def board_pages(board: Board, paper: Paper) -> list[Page]:
@@ -34,7 +34,7 @@ def board_pages(board: Board, paper: Paper) -> list[Page]:
     room = rooms[best]
     corner = np.array([left + _WHITE_M, top + _WHITE_M]) + (np.array(room) - board.size_m) / 2
     pattern = Shape(tuple(corner + loop for loop in _loops_m(board)))
-    return [Page(best, [*furniture(best, ["", board_title(board)]), pattern])]
+    return [Page(best, [*furniture(best, subtitle=board_title(board)), pattern])]
 
 
 def board_title(board: Board) -> str:

@@ -21,7 +21,6 @@ from pilotfish.printing.page import (
     TEXT_M,
     Line,
     Page,
-    Shape,
     Text,
     cut_line,
     furniture,
@@ -30,7 +29,8 @@ from pilotfish.printing.page import (
 from pilotfish.printing.paper import Paper
 from pilotfish.printing.quantities import millimetres
 from pilotfish.printing.tag_art import TagArt, shape_at, tag_art
-from pilotfish.printing.tag_sheets import LABEL_M, largest_tag_m
+from pilotfish.printing.tag_sheets import LABEL_M, label_text, largest_tag_m
+from pilotfish.printing.text import first_that_fits
 
 _SMALLEST_WORDS_M = 0.0012
 _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -156,15 +156,13 @@ def _page(
     title = f"{body.name}: {body.family}, id {ids}. Cut along gray lines"
     if net.folds:
         title += ", fold along dashed ones"
-    items: list[Shape | Line | Text] = [*furniture(paper, [title])]
-    _, top, right, _ = printable_m(paper)
-    items.append(Text((right, top + TEXT_M), number, align="right"))
+    items = furniture(paper, title=title, number=number)
     for panel in net.panels:
         art = arts[panel.tag]
         items.append(shape_at(art, origin + panel.centre_m, panel.axes))
         at, turned = _label_place(net, panel, art)
-        text = f"id {art.id}   {body.family}   {millimetres(art.size_m)}"
-        items.append(Text(_pair(origin + at), text, turned_deg=turned))
+        text, size = label_text(art, art.ink_m)
+        items.append(Text(_pair(origin + at), text, size, turned_deg=turned))
         items += _outline(net, panel, origin, paper)
     for joint in net.folds:
         items += _fold(net, joint, origin)
@@ -219,7 +217,9 @@ def _fold(net: Net, joint: Joint, origin: np.ndarray) -> list[Line | Text]:
     place = _beyond_an_end(net, joint)
     if place is not None:
         at, turned = place
-        items.append(Text(_pair(origin + at), _angle(joint), TEXT_M, "middle", turned))
+        # Between the middles of both faces, so that the words of neighbouring folds do not meet.
+        words, size = first_that_fits([_angle(joint), _angle(joint).split()[0]], TEXT_M, 0.9 * joint.gap_m)
+        items.append(Text(_pair(origin + at), words, size, "middle", turned))
     return items
 
 

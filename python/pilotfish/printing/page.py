@@ -9,11 +9,15 @@ from typing import Literal
 import numpy as np
 
 from pilotfish.printing.paper import MARGIN_M, Paper
+from pilotfish.printing.text import shortened
 
 LINE_M = 0.00015
 SLACK_M = 0.0001  # leader files are rounded: an edge may lie so far outside of the printable area
 TEXT_M = 0.0026  # font size: 7.4 points
 RULER_M = 0.100
+_CAPTION = ("This bar is 100.0 mm.", "If it is not, print at", "100 % (actual size).")
+_CAPTION_M = 0.0023
+_NUMBER_M = 0.020  # room for the page's number beside the title
 HEADER_M, FOOTER_M = 0.005, 0.009  # heights of the title and of the ruler, inside the margins
 
 
@@ -59,27 +63,29 @@ def printable_m(paper: Paper) -> tuple[float, float, float, float]:
     return MARGIN_M, MARGIN_M, paper.width_m - MARGIN_M, paper.height_m - MARGIN_M
 
 
-def furniture(paper: Paper, titles: Sequence[str]) -> list[Line | Text]:
-    """The ruler's bar at the bottom, its caption beside it, and the titles: the first at the top, others in the
-    caption.
+def furniture(paper: Paper, *, title: str = "", subtitle: str = "", number: str = "") -> list[Shape | Line | Text]:
+    """The ruler's bar at the bottom with its caption, a title and the page's number at the top, a subtitle above the
+    bar.
 
     The bar's ends are where its end strokes end, so its length is measured from outside to outside.
     """
-    left, top, _, bottom = printable_m(paper)
+    left, top, right, bottom = printable_m(paper)
     y = bottom - 0.003
     half = 0.0002 / 2
-    items: list[Line | Text] = [Line((left, y), (left + RULER_M, y), 0.0004)]
+    items: list[Shape | Line | Text] = [Line((left, y), (left + RULER_M, y), 0.0004)]
     for mm in range(0, 101, 10):
         tall = 0.003 if mm % 50 == 0 else 0.0018
         x = min(max(left + mm / 1e3, left + half), left + RULER_M - half)
         items.append(Line((x, y - tall), (x, y + (0.003 if mm in (0, 100) else 0.0)), 0.0002))
     beside = left + RULER_M + 0.003
-    items += [
-        Text((beside, y - 0.0012), "This bar is 100.0 mm."),
-        Text((beside, y + 0.0022), "If it is not, print at 100 % (actual size)."),
-    ]
-    items += [Text((left, top + TEXT_M), title) for title in titles[:1] if title]
-    items += [Text((left, y - 0.0045 - 0.0034 * k), title) for k, title in enumerate(reversed(titles[1:]))]
+    for lower, line in zip((-0.0032, -0.0004, 0.0024), _CAPTION, strict=True):
+        items.append(Text((beside, y + lower), line, _CAPTION_M))
+    if title:
+        items.append(Text((left, top + TEXT_M), shortened(title, TEXT_M, right - left - _NUMBER_M)))
+    if subtitle:
+        items.append(Text((left, y - 0.0056), shortened(subtitle, TEXT_M, right - left)))
+    if number:
+        items.append(Text((right, top + TEXT_M), number, align="right"))
     return items
 
 

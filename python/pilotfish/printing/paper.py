@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 MARGIN_M = 0.005  # kept white on all sides: what office printers cannot print on is 3 to 4.3 mm wide
-_SMALLEST_M = 0.120  # so that the ruler's bar of 100 mm and the margins fit
+_SMALLEST_M = 0.140  # so that the ruler's bar of 100 mm, its caption and the margins fit
 _LARGEST_M = 5.0  # PDF readers stop at 14 400 points: 5.08 m
 
 
@@ -27,6 +27,7 @@ class Paper:
 PAPERS = {
     "A4": Paper("A4", 0.210, 0.297),
     "Letter": Paper("Letter", 0.2159, 0.2794),
+    "A5": Paper("A5", 0.148, 0.210),
     "A3": Paper("A3", 0.297, 0.420),
     "Tabloid": Paper("Tabloid", 0.2794, 0.4318),
     "A2": Paper("A2", 0.420, 0.594),

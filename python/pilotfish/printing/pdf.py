@@ -8,9 +8,9 @@ from typing import Any
 
 from pilotfish.extras import require
 from pilotfish.printing.page import Line, Page, Shape, Text
+from pilotfish.printing.text import FONT, printable_text
 
 POINT_M = 0.0254 / 72
-_FONT = "Helvetica"
 
 
 def write_pdf(
@@ -35,17 +35,6 @@ def write_pdf(
         if on_page is not None:
             on_page(done, len(pages))
     canvas.save()
-
-
-def text_width_m(text: str, size_m: float) -> float:
-    """Width of a line of text."""
-    metrics = require("reportlab.pdfbase.pdfmetrics", "tags")
-    return metrics.stringWidth(printable_text(text), _FONT, size_m)
-
-
-def printable_text(text: str) -> str:
-    """With '?' for what the standard fonts of PDF do not have."""
-    return text.encode("cp1252", "replace").decode("cp1252")
 
 
 _Transform = Callable[[float, float], tuple[float, float]]
@@ -77,7 +66,7 @@ def _draw_line(canvas: Any, to_points: _Transform, line: Line) -> None:
 def _draw_text(canvas: Any, to_points: _Transform, text: Text) -> None:
     canvas.saveState()
     canvas.setFillGray(0)
-    canvas.setFont(_FONT, text.size_m / POINT_M)
+    canvas.setFont(FONT, text.size_m / POINT_M)
     canvas.translate(*to_points(*text.at_m))
     canvas.rotate(text.turned_deg)
     draw = {"left": canvas.drawString, "middle": canvas.drawCentredString, "right": canvas.drawRightString}

@@ -25,9 +25,9 @@ from pilotfish.printing.page import (
     printable_m,
 )
 from pilotfish.printing.paper import MARGIN_M, Paper
-from pilotfish.printing.pdf import text_width_m
 from pilotfish.printing.quantities import millimetres
 from pilotfish.printing.tag_art import TagArt, largest_size_m, shape_at, tag_art
+from pilotfish.printing.text import first_that_fits
 
 LABEL_M = 0.005  # the strip below a tag for its id
 _MARK_M, _MARK_GAP_M = 0.003, 0.001
@@ -92,9 +92,7 @@ def _area(paper: Paper) -> tuple[float, float, float, float]:
 
 
 def _page(arts: Sequence[TagArt], columns: int, rows: int, paper: Paper, title: str, number: str) -> Page:
-    _, top, right, _ = printable_m(paper)
-    items: list[Shape | Line | Text] = [*furniture(paper, [title])]
-    items.append(Text((right, top + TEXT_M), number, align="right"))
+    items = furniture(paper, title=title, number=number)
     side = arts[0].side_m
     _, top, _, _ = _area(paper)
     first_x = (paper.width_m - columns * side - (columns - 1) * _GAP_M) / 2
@@ -110,13 +108,15 @@ def _tile(art: TagArt, corner: np.ndarray, paper: Paper) -> list[Shape | Line | 
     middle = corner + side / 2
     items: list[Shape | Line | Text] = [shape_at(art, middle, _UPRIGHT)]
     left = max(corner[0], printable_m(paper)[0])
-    size = min(TEXT_M, 0.8 * side / max(text_width_m(f"id {art.id}", 1.0), 1e-9))
+    label, size = label_text(art, 0.9 * side)
     base = corner[1] + side + LABEL_M / 2 + size / 3
-    label = f"id {art.id}   {art.family}   {millimetres(art.size_m)}"
-    if text_width_m(label, size) > side:
-        label = f"id {art.id}"
     items.append(Text((float(left + 0.001 if side > 0.03 else left), float(base)), label, size))
     return items + _marks(corner, side, paper)
+
+
+def label_text(art: TagArt, width_m: float) -> tuple[str, float]:
+    """What stands beside a tag, in this width, and its font size."""
+    return first_that_fits([f"id {art.id}   {art.family}   {millimetres(art.size_m)}", f"id {art.id}"], TEXT_M, width_m)
 
 
 def _marks(corner: np.ndarray, side: float, paper: Paper) -> list[Line]:
