@@ -40,7 +40,8 @@ def fold_lines_mm(page, squares):
     found = []
     for left, right in zip(ordered, ordered[1:], strict=False):
         low, high = round((left[1, 0] + 0.5) / PIXEL_MM), round((right[0, 0] - 0.5) / PIXEL_MM)
-        top, bottom = round(left[2, 1] / PIXEL_MM), round(left[1, 1] / PIXEL_MM)
+        # Beside their upper quarters: there are words at the middle.
+        top, bottom = round(left[2, 1] / PIXEL_MM), round((0.75 * left[2, 1] + 0.25 * left[1, 1]) / PIXEL_MM)
         (line,) = dark_spans_mm(page[top:bottom, low:high].min(axis=0)) + low * PIXEL_MM
         found.append(line.mean())
     return found

@@ -75,7 +75,8 @@ def _boxes(net: Net, arts: Sequence[TagArt]) -> tuple[np.ndarray, np.ndarray]:
     corners = np.concatenate([panel.corners_m() for panel in net.panels])
     ink = [panel.centre_m + sign * arts[panel.tag].ink_m / 2 for panel in net.panels for sign in (-1, 1)]
     ink += [_label_place(net, panel, arts[panel.tag])[0] for panel in net.panels]
-    places = [_beyond_an_end(net, joint) for joint in net.folds if joint.angle_rad != 0.0]
+    outside = [joint for joint in net.folds if _border_words_m(arts[joint.a]) < _SMALLEST_WORDS_M]
+    places = [_beyond_an_end(net, joint) for joint in outside if joint.angle_rad != 0.0]
     ink += [place[0] for place in places if place is not None]
     return np.array([corners.min(axis=0), corners.max(axis=0)]), np.array([np.min(ink, axis=0), np.max(ink, axis=0)])
 
@@ -165,7 +166,7 @@ def _page(
         items.append(Text(_pair(origin + at), text, size, turned_deg=turned))
         items += _outline(net, panel, origin, paper)
     for joint in net.folds:
-        items += _fold(net, joint, origin)
+        items += _fold(net, joint, origin, arts)
     for joint in net.edges:
         items += _edge_words(net, joint, origin, arts, letters[id(joint)])
     return Page(paper, items)
@@ -191,7 +192,7 @@ def _neighbour_ends(net: Net, panel: Panel, side: int) -> np.ndarray:
             other, its = joint.a, joint.side_a
         else:
             continue
-        return next(p for p in net.panels if p.tag == other).side_m(its)
+        return _panel(net, other).side_m(its)
     raise AssertionError("no neighbour there")
 
 
@@ -208,19 +209,38 @@ def _uncovered(ends: np.ndarray, others: np.ndarray) -> list[np.ndarray]:
     return [ends[0] + np.outer(piece, ends[1] - ends[0]) for piece in pieces if piece[1] - piece[0] > 1e-3]
 
 
-def _fold(net: Net, joint: Joint, origin: np.ndarray) -> list[Line | Text]:
-    """A dashed line, and at its end by how much and to which side it is folded. Nothing between tags in one plane."""
+def _fold(net: Net, joint: Joint, origin: np.ndarray, arts: Sequence[TagArt]) -> list[Line | Text]:
+    """A dashed line, and beside it by how much and to which side it is folded. Nothing between tags in one plane."""
     if joint.angle_rad == 0.0:
         return []
     start, end = _shared_ends(net, joint)
     items: list[Line | Text] = [Line(_pair(origin + start), _pair(origin + end), dashed=True)]
-    place = _beyond_an_end(net, joint)
-    if place is not None:
-        at, turned = place
+    size = _border_words_m(arts[joint.a])
+    if size >= _SMALLEST_WORDS_M:
+        items.append(_along(_panel(net, joint.a), joint.side_a, (start + end) / 2, _angle(joint), size, origin))
+    elif (place := _beyond_an_end(net, joint)) is not None:
         # Between the middles of both faces, so that the words of neighbouring folds do not meet.
         words, size = first_that_fits([_angle(joint), _angle(joint).split()[0]], TEXT_M, 0.9 * joint.gap_m)
-        items.append(Text(_pair(origin + at), words, size, "middle", turned))
+        items.append(Text(_pair(origin + place[0]), words, size, "middle", place[1]))
     return items
+
+
+def _border_words_m(art: TagArt) -> float:
+    """Font size of words in the outer third of a tag's white border; of the border the tag needs the inner half."""
+    return min(TEXT_M, 0.25 * art.border_cells * art.cell_m)
+
+
+def _along(panel: Panel, side: int, at: np.ndarray, text: str, size: float, origin: np.ndarray) -> Text:
+    """Words just inside of a side, around a point of it."""
+    ends = panel.side_m(side)
+    along = ends[1] - ends[0]
+    inward = -panel.axes @ SIDES[side]
+    turned = math.degrees(math.atan2(-along[1], along[0]))
+    return Text(_pair(origin + at + inward * size * 1.1), text, size, "middle", turned)
+
+
+def _panel(net: Net, tag: int) -> Panel:
+    return next(panel for panel in net.panels if panel.tag == tag)
 
 
 def _angle(joint: Joint) -> str:
@@ -228,7 +248,7 @@ def _angle(joint: Joint) -> str:
 
 
 def _shared_ends(net: Net, joint: Joint) -> tuple[np.ndarray, np.ndarray]:
-    panel = next(p for p in net.panels if p.tag == joint.a)
+    panel = _panel(net, joint.a)
     ends = panel.side_m(joint.side_a)
     first, last = (
         ends[0] + share * (ends[1] - ends[0]) for share in _shared(ends, _neighbour_ends(net, panel, joint.side_a))
@@ -258,24 +278,17 @@ def _contains(panel: Panel, point: np.ndarray) -> bool:
 
 
 def _edge_words(net: Net, joint: Joint, origin: np.ndarray, arts: Sequence[TagArt], letter: str) -> list[Text]:
-    """At an edge that meets another, just inside it: which, and by which angle. In the outer third of the white border,
-    of which a tag needs the inner half; of a narrow border the letter alone."""
+    """At an edge that meets another: which, and by which angle; in a narrow border the letter alone."""
     texts = []
+    on_net = {panel.tag for panel in net.panels}
     for tag, side, other in ((joint.a, joint.side_a, joint.b), (joint.b, joint.side_b, joint.a)):
-        panel = next((p for p in net.panels if p.tag == tag), None)
-        if panel is None:
+        if tag not in on_net:
             continue
-        ends = panel.side_m(side)
-        along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-        inward = -panel.axes @ SIDES[side]
-        border = arts[tag].border_cells * arts[tag].cell_m
-        size = min(TEXT_M, 0.25 * border)
+        panel, size = _panel(net, tag), _border_words_m(arts[tag])
         text = f"edge {letter}: meets id {arts[other].id}, {_angle(joint)}"
         if size < _SMALLEST_WORDS_M:
             text, size = letter, max(size, 0.001)
-        turned = math.degrees(math.atan2(-along[1], along[0]))
-        at = origin + ends.mean(axis=0) + inward * size * 1.1
-        texts.append(Text(_pair(at), text, size, "middle", turned))
+        texts.append(_along(panel, side, panel.side_m(side).mean(axis=0), text, size, origin))
     return texts
 
 
