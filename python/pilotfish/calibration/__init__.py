@@ -1,1 +1,2 @@
-"""What a robot learns about its parts from pictures, once: ``body`` finds where the tags of a leader sit."""
+"""What is learned from pictures, once: ``body`` finds where the tags of a leader sit, ``board`` is the file of a
+printed calibration board."""

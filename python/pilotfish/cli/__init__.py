@@ -14,11 +14,13 @@ from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
+from pilotfish.cli.leader import app as leader_app
 from pilotfish.cli.learn_body import learn_body
 from pilotfish.cli.operate import key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
+from pilotfish.cli.tags import tags
 from pilotfish.cli.tune import tune
 
 app = typer.Typer(
@@ -34,6 +36,8 @@ for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_
     app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
+app.command()(tags)
+app.add_typer(leader_app, name="leader")
 
 
 def main() -> None:
