@@ -1,0 +1,74 @@
+"""What a coordinator made of an image, drawn on it: outlines and ids of the tags; distance, bearing, status in a bar below,
+so that it covers nothing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from matplotlib import font_manager
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from pilotfish.plots.style import VERMILLION
+from pilotfish.plots.status_colours import status_colour
+
+BAR_PX = 28
+_LABEL_PX = 14
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What is known of one image; None: nothing is recorded."""
+
+    t_s: float
+    status: str = ""
+    reason: str = ""
+    distance_m: float | None = None
+    bearing_rad: float | None = None
+    tags: tuple[tuple[int, NDArray[np.float64]], ...] = ()  # (id, corners (4, 2) [px])
+
+
+def with_overlay(pixels: NDArray[np.uint8], seen: Seen) -> NDArray[np.uint8]:
+    """(H, W, 3) becomes (H' + BAR_PX, W', 3) with H', W' even, as the video's format wants it: a row or a column of the
+    image is repeated at its lower or right edge, its pixels stay where they are."""
+    height, width = pixels.shape[:2]
+    pixels = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
+    picture = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + BAR_PX), "black")
+    picture.paste(Image.fromarray(pixels), (0, 0))
+    draw = ImageDraw.Draw(picture)
+    for tag_id, corners_px in seen.tags:
+        _draw_tag(draw, tag_id, corners_px)
+    font, middle = _font(_LABEL_PX), pixels.shape[0] + BAR_PX // 2
+    words = f"{seen.status}: {seen.reason}" if seen.reason not in ("", "none") else seen.status or "not recorded"
+    left = f"t = {seen.t_s:.2f} s"
+    if seen.distance_m is not None and seen.bearing_rad is not None:
+        left += f"   d = {seen.distance_m:.3f} m   θ = {math.degrees(seen.bearing_rad):+.2f}°"
+    draw.text((8, middle), left, fill="white", font=font, anchor="lm")
+    draw.text((picture.width - 8, middle), words, fill=status_colour(seen.status, dark=True), font=font, anchor="rm")
+    return np.asarray(picture)
+
+
+def _draw_tag(draw: ImageDraw.ImageDraw, tag_id: int, corners_px: NDArray[np.float64]) -> None:
+    """Lines two pixels wide around the black square, centred on its edge. Pixel centres are at integers here and there."""
+    if not np.isfinite(corners_px).all() or np.abs(corners_px).max() > 1e5:
+        return
+    outline = [tuple(corner) for corner in [*corners_px.tolist(), corners_px[0].tolist()]]
+    draw.line(outline, fill=VERMILLION, width=2, joint="curve")
+    above = (float(corners_px[:, 0].mean()), float(corners_px[:, 1].min()) - 4)
+    draw.text(
+        above,
+        f"id {tag_id}",
+        fill="white",
+        font=_font(_LABEL_PX),
+        anchor="mb",
+        stroke_width=2,
+        stroke_fill="black",
+    )
+
+
+@lru_cache(maxsize=4)
+def _font(size_px: int) -> ImageFont.FreeTypeFont:
+    return ImageFont.truetype(font_manager.findfont("DejaVu Sans"), size_px)

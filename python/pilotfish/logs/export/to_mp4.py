@@ -1,0 +1,148 @@
+"""MP4 (H.264, yuv420p): every recorded image, at the time of its exposure, with what was seen in it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pilotfish.errors import RecordingError
+from pilotfish.extras import require
+from pilotfish.logs.clock import RunClock
+from pilotfish.logs.columns import CORNERS, NONE
+from pilotfish.logs.export.output import written_whole
+from pilotfish.logs.export.overlay import Seen, with_overlay
+from pilotfish.logs.images import RecordedImage, images_in
+from pilotfish.logs.reader import read_run
+from pilotfish.logs.run import RobotRun
+from pilotfish.logs.sources import OnProgress
+
+TIME_BASE = Fraction(1, 1_000_000)  # microseconds, as the stamps
+_QUALITY = {"crf": "20", "preset": "veryfast", "bf": "0"}
+_NOMINAL_RATE_HZ = 30
+
+
+def export_mp4(
+    path: Path,
+    out: Path,
+    *,
+    robot: str | None = None,
+    overlay: bool = True,
+    on_reading: OnProgress | None = None,
+    on_progress: OnProgress | None = None,
+) -> int:
+    """The number of frames written. Images of another size than the first's are scaled to it.
+
+    RecordingError if there is no image, or if several cameras were recorded and none is named; MissingFileError,
+    MissingPackageError, OSError."""
+    av = require("av", "export")
+    run = read_run(path, on_progress=on_reading)
+    cameras = [channel.removesuffix("_IMAGE").lower() for channel in run.channels if channel.endswith("_IMAGE")]
+    camera = _camera(path, cameras, robot)
+    whose = next((one for one in run.coordinators if one.name.lower() == camera), None)
+    known = _Known(whose)
+    count = 0
+    with written_whole(out) as partial, _opened(av, partial, out) as container:
+        video = _Video(av, container)
+        clock: RunClock | None = None
+        for image in images_in(path, None, on_progress):
+            if image.robot != camera:
+                continue
+            clock = clock or RunClock(image.log_utime)
+            t_s = clock.of_frame(image.utime, image.log_utime, NONE, simulated=known.simulated)
+            pixels = image.pixels()
+            if pixels is None:
+                continue  # damaged, or of a format that is not read
+            video.add(with_overlay(pixels, known.of(image, t_s)) if overlay else _even(pixels), t_s)
+            count += 1
+        if not count:
+            raise RecordingError(f"{path}: no image of '{camera}' that can be read")
+        video.finish()
+    return count
+
+
+class _Video:
+    def __init__(self, av: Any, container: Any) -> None:
+        self._av, self._container, self._stream = av, container, None
+        self._last_pts = -1
+
+    def add(self, pixels: NDArray[np.uint8], t_s: float) -> None:
+        if self._stream is None:
+            self._stream = self._container.add_stream("libx264", rate=_NOMINAL_RATE_HZ, options=_QUALITY)
+            self._stream.height, self._stream.width = pixels.shape[:2]
+            self._stream.pix_fmt = "yuv420p"
+            self._stream.codec_context.time_base = self._stream.time_base = TIME_BASE
+        frame = self._av.VideoFrame.from_ndarray(pixels, format="rgb24")
+        if (frame.width, frame.height) != (self._stream.width, self._stream.height):
+            frame = frame.reformat(self._stream.width, self._stream.height)
+        self._last_pts = max(round(t_s / TIME_BASE), self._last_pts + 1)
+        frame.pts, frame.time_base = self._last_pts, TIME_BASE
+        self._container.mux(self._stream.encode(frame))
+
+    def finish(self) -> None:
+        self._container.mux(self._stream.encode(None))
+
+
+class _Known:
+    """What was seen in the image with a stamp: the first frame of that stamp."""
+
+    def __init__(self, robot: RobotRun | None) -> None:
+        self._frames, self._tags = (robot.frames, robot.tags) if robot else (None, None)
+        self.simulated = False
+        self._rows: dict[int, int] = {}
+        self._tag_rows: dict[int, list[int]] = {}
+        if robot is None:
+            return
+        for row, utime in enumerate(robot.frames["utime_us"].tolist()):
+            self._rows.setdefault(utime, row)
+        for row, utime in enumerate(robot.tags["utime_us"].tolist()):
+            self._tag_rows.setdefault(utime, []).append(row)
+        self._status, self._reason = robot.frames.words("status"), robot.frames.words("reason")
+
+    def of(self, image: RecordedImage, t_s: float) -> Seen:
+        if self._frames is None or self._tags is None or (row := self._rows.get(image.utime)) is None:
+            return Seen(t_s)
+        measured = bool(self._frames["measured"][row])
+        tags = []
+        for at in self._tag_rows.get(image.utime, []) if measured else []:
+            corners = np.array([self._tags[name][at] for name in CORNERS]).reshape(4, 2)
+            tags.append((int(self._tags["id"][at]), corners))
+        return Seen(
+            t_s,
+            status=str(self._status[row]),
+            reason=str(self._reason[row]),
+            distance_m=float(self._frames["distance_m"][row]) if measured else None,
+            bearing_rad=float(self._frames["bearing_rad"][row]) if measured else None,
+            tags=tuple(tags),
+        )
+
+
+def _camera(path: Path, cameras: list[str], robot: str | None) -> str:
+    if robot is not None:
+        if robot.lower() not in cameras:
+            there = ", ".join(cameras) or "none"
+            raise RecordingError(f"{path}: no image of robot '{robot}' in it; cameras in it: {there}")
+        return robot.lower()
+    if not cameras:
+        raise RecordingError(
+            f"{path}: no image in it: a black box keeps images as they come only as JPEG, and copies of others at "
+            "black_box.picture_rate_hz; lcm-logger keeps all"
+        )
+    if len(cameras) > 1:
+        raise RecordingError(f"{path}: several cameras recorded here, name one with --robot: {', '.join(cameras)}")
+    return cameras[0]
+
+
+def _opened(av: Any, partial: Path, out: Path) -> Any:
+    try:
+        return av.open(str(partial), "w", format="mp4")
+    except av.error.FFmpegError as error:
+        raise OSError(error.errno, error.strerror, str(out)) from error
+
+
+def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    height, width = pixels.shape[:2]
+    return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
