@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 
 from pilotfish import core
+from pilotfish.black_box.bits import bits
 from pilotfish.coordinator import ConfigBundle, ConfigOverrides, ConfigText, HeldCommand
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import box_start_t, held_t, measurement_t
@@ -77,11 +76,6 @@ def original_jpeg(data: bytes) -> image_t | None:
     message = image_t.decode(data)
     copied = any(extra.key == COPY_MARK for extra in message.metadata)
     return None if copied or message.pixelformat != image_t.PIXEL_FORMAT_MJPEG else message
-
-
-def bits(*numbers: float) -> bytes:
-    """Equal only if every bit is: zero is not minus zero, and one NaN is another of the same bits."""
-    return struct.pack(f"<{len(numbers)}d", *numbers)
 
 
 def twist_bits(twist: core.Twist) -> bytes:

@@ -89,6 +89,13 @@ def _show_first(report: ReplayReport) -> None:
         return
     console.print(f"first difference: {first.what}", markup=False)
     console.print(f"  where       {first.event.file}, byte {first.event.offset}", soft_wrap=True, markup=False)
+    for at, cause in enumerate(first.causes):
+        console.print(f"  {'differs' if at == 0 else '':<10}  {cause}", soft_wrap=True, markup=False)
+    if first.agreed_before:
+        agreed = f"{first.agreed_before} calls before it, since the last starting point, agree in every bit"
+        console.print(f"  before      {agreed}", soft_wrap=True, markup=False)
+    elif first.what in ("the command", "what is held"):
+        console.print("  before      nothing: it is the first call behind a starting point", markup=False)
     console.print(f"  inputs      {first.inputs}", soft_wrap=True, markup=False)
     console.print(f"  recorded    {first.recorded}", soft_wrap=True, markup=False)
     console.print(f"  recomputed  {first.recomputed}", soft_wrap=True, markup=False)

@@ -11,13 +11,14 @@ _DISAGREE_S = 1.0  # stamps and the recording's clock that part by more: the sta
 class RunClock:
     """Seconds since ``start_utime``, the wall clock at the beginning of the recording [us].
 
-    Between two frames the time of their stamps passes, because that is the time the law uses, and in lock-step the only one.
-    Where the stamps do not advance, or jump, the recording's own clock bridges. Sums of differences would collect rounding
-    errors, so time is counted from the last jump.
+    Between two frames the time of their stamps passes, because that is the time the law uses, and in lock-step the only
+    one. Where the stamps do not advance, or jump, the recording's own clock bridges. Sums of differences would collect
+    rounding errors, so time is counted from the last jump.
     """
 
     start_utime: int
     _anchor: tuple[float, int] | None = None  # t_s and utime of the first frame behind the last jump
+    _latest_s: float = 0.0  # what is recorded later is not earlier, also where stamps run slower than the wall clock
     _last: tuple[float, int, int, int] | None = None  # t_s, utime, log_utime, arrival_us of the last frame
 
     def of_frame(self, utime: int, log_utime: int, arrival_us: int, *, simulated: bool) -> float:
@@ -41,5 +42,8 @@ class RunClock:
     def at(self, log_utime: int) -> float:
         """The time of anything else, by when it was recorded [s]."""
         if self._last is None:
-            return max(0.0, (log_utime - self.start_utime) * 1e-6)
-        return self._last[0] + max(0, log_utime - self._last[2]) * 1e-6
+            t_s = max(0.0, (log_utime - self.start_utime) * 1e-6)
+        else:
+            t_s = self._last[0] + max(0, log_utime - self._last[2]) * 1e-6
+        self._latest_s = max(self._latest_s, t_s)
+        return self._latest_s

@@ -114,7 +114,10 @@ TAGS = (
     _int("id", "", "of the tag"),
     _int("hamming", "", "corrected bits"),
     _float("decision_margin", "gray levels", "mean contrast of the bits"),
-    *(_float(name, "px", "corner: bottom left, bottom right, top right, top left, as one reads it") for name in CORNERS),
+    *(
+        _float(name, "px", "corner: bottom left, bottom right, top right, top left, as one reads it")
+        for name in CORNERS
+    ),
 )
 COMMANDS = (
     _T_S,

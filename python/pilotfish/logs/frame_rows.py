@@ -1,7 +1,8 @@
-"""One row a frame, from the messages that speak of it: a call of the core (black box), an observation, a status, a command.
+"""One row a frame, from the messages that speak of it: a call of the core (black box), an observation, a status, a
+command.
 
-They come in about this order, from different threads, and any of them may be missing. A row is complete when all have come
-that this recording has, or when eight newer frames have begun.
+They come in about this order, from different threads, and any of them may be missing. A row is complete when all have
+come that a frame has, or when eight newer frames have begun.
 """
 
 from __future__ import annotations
@@ -120,7 +121,9 @@ class FrameRows:
 
     def _is_no_frame(self, message: Any) -> bool:
         """Reports between frames repeat the stamp of the last one, and so does the very last report of a program."""
-        repeats = message.utime == self._last_utime and all(row.values["utime_us"] != message.utime for row in self._open)
+        repeats = message.utime == self._last_utime and all(
+            row.values["utime_us"] != message.utime for row in self._open
+        )
         return message.reason == NO_FRAME or (message.reason == STOP_REQUESTED and repeats)
 
     def _row(self, utime: int, kind: str, log_utime: int, arrival_us: int = NONE) -> FrameRow:
@@ -154,7 +157,14 @@ class FrameRows:
 def _seen(message: Any) -> dict[str, Any]:
     """Of a measurement_t or an observation_t: the same names."""
     sigmas = [math.sqrt(message.covariance[i][i]) if message.covariance[i][i] >= 0 else math.nan for i in range(3)]
-    named = ("distance_m", "bearing_rad", "heading_rad", "reprojection_error_px", "ambiguity_ratio", "min_decision_margin")
+    named = (
+        "distance_m",
+        "bearing_rad",
+        "heading_rad",
+        "reprojection_error_px",
+        "ambiguity_ratio",
+        "min_decision_margin",
+    )
     return {name: getattr(message, name) for name in named} | dict(
         zip(("distance_sigma_m", "bearing_sigma_rad", "heading_sigma_rad"), sigmas, strict=True)
     )

@@ -32,7 +32,7 @@ class Settings:
 
 @dataclass
 class Stage:
-    """How long one stage of the control loop took: counts between STAGE_LIMITS_MS (11 numbers), and the longest [ms]."""
+    """How long a stage of the control loop took: counts between STAGE_LIMITS_MS (11 numbers), the longest [ms]."""
 
     counts: list[int]
     max_ms: float
@@ -66,7 +66,5 @@ class RunNotes:
 
 def settings_of(message: Any) -> Settings:
     """What a box_start_t holds."""
-    files = [
-        SettingsFile(file.role, file.name, bytes(file.data).decode("utf-8", "replace")) for file in message.files
-    ]
+    files = [SettingsFile(file.role, file.name, bytes(file.data).decode("utf-8", "replace")) for file in message.files]
     return Settings(message.program, message.command_line, tuple(message.overrides), tuple(files))

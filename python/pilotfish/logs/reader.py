@@ -15,8 +15,8 @@ from pilotfish.logs.sources import OnProgress
 def read_run(path: str | Path, robot: str | None = None, on_progress: OnProgress | None = None) -> Run:
     """A black box (a file, or the folder of its ring) or a file of lcm-logger, as far as it is not damaged.
 
-    Some 100 MB an hour of 30 frames a second; images are not kept (see frames.images_in). ``on_progress`` gets the bytes
-    read and the bytes in all. MissingFileError, RecordingError.
+    Some 100 MB an hour of 30 frames a second; images are not kept (see images.images_in). ``on_progress`` gets the
+    bytes read and the bytes in all. MissingFileError, RecordingError.
     """
     notes = RunNotes()
     growing: dict[str, dict[str, GrowingTable]] = {}

@@ -60,7 +60,9 @@ class RobotSift:
             t_s = frame.values["t_s"]
             if t_s - self._last_frame_s > GAP_S:
                 text = f"no frame for {t_s - self._last_frame_s:.2f} s"
-                self._rows.append(("events", {"t_s": self._last_frame_s, "log_utime_us": NONE, "kind": "gap", "text": text}))
+                self._rows.append(
+                    ("events", {"t_s": self._last_frame_s, "log_utime_us": NONE, "kind": "gap", "text": text})
+                )
             self._last_frame_s = t_s
             self._rows.append(("frames", frame.values))
             self._rows += [("tags", tag) for tag in frame.tags]

@@ -17,8 +17,8 @@ from pilotfish.logs.notes import Settings, Stage
 
 @dataclass(frozen=True)
 class Table:
-    """Equally long columns. ``table["distance_m"]`` is an array (N,): float64 with NaN, int64 with -1 or bool; a column of
-    words is int16 codes (``words`` spells them), one of text an object array."""
+    """Equally long columns. ``table["distance_m"]`` is an array (N,): float64 with NaN, int64 with -1 or bool; a column
+    of words is int16 codes (``words`` spells them), one of text an object array."""
 
     columns: tuple[Column, ...]
     arrays: Mapping[str, NDArray[Any]]
@@ -38,7 +38,7 @@ class Table:
 
 @dataclass(frozen=True)
 class RunEvent:
-    """Something that happened: ``kind`` is start, status, setpoint, stop, resume, gap, damage, counter, configuration."""
+    """Something that happened; ``kind``: start, status, setpoint, stop, resume, gap, damage, counter, configuration."""
 
     t_s: float
     kind: str

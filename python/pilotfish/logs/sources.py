@@ -27,7 +27,9 @@ def recordings_in(path: Path, robot: str | None = None) -> list[list[Path]]:
     return [files_in(path, robot if path.is_dir() else None)]
 
 
-def events_of(files: list[Path], said_before: int, total: int, on_progress: OnProgress | None) -> Iterator[Event | Damage]:
+def events_of(
+    files: list[Path], said_before: int, total: int, on_progress: OnProgress | None
+) -> Iterator[Event | Damage]:
     """Every event of these files. Progress counts from ``said_before`` [bytes]."""
     before = said_before
     for file in files:

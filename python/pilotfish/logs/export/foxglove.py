@@ -1,8 +1,8 @@
-"""Messages in Foxglove's well-known schemas, as JSON: images, annotations, poses, logs (docs.foxglove.dev/docs/sdk/schemas).
+"""Messages in Foxglove's well-known schemas, as JSON: images, annotations, poses, logs.
 
-Foxglove's pixels begin at the corner of the top-left pixel, ours at its centre: half a pixel between them. Its quaternions
-are (x, y, z, w).
-Images, annotations and poses have the exposure's stamp, by which Foxglove puts them together; a log line has the wall clock.
+Foxglove's pixels begin at the corner of the top-left pixel, ours at its centre: half a pixel between them. Its
+quaternions are (x, y, z, w). Images, annotations and poses have the exposure's stamp, by which Foxglove puts them
+together; a log line has the wall clock.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def time_of(utime_us: int) -> dict[str, int]:
 
 
 def image(picture: RecordedImage) -> tuple[str, dict[str, Any]] | None:
-    """(schema, message): a JPEG as it was recorded, raw pixels likewise; None for a format that Foxglove does not know."""
+    """(schema, message): a JPEG or raw pixels as they were recorded; None for a format that Foxglove does not know."""
     said = {"timestamp": time_of(picture.utime), "frame_id": f"{picture.robot}/camera"}
     data = base64.b64encode(picture.data).decode("ascii")
     if picture.pixelformat == JPEG:

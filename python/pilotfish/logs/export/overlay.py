@@ -1,5 +1,5 @@
-"""What a coordinator made of an image, drawn on it: outlines and ids of the tags; distance, bearing, status in a bar below,
-so that it covers nothing."""
+"""What a coordinator made of an image, drawn on it: outlines and ids of the tags; distance, bearing, status in a bar
+below, so that it covers nothing."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from matplotlib import font_manager
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from pilotfish.plots.style import VERMILLION
 from pilotfish.plots.status_colours import status_colour
+from pilotfish.plots.style import VERMILLION
 
 BAR_PX = 28
 _LABEL_PX = 14
@@ -52,7 +52,7 @@ def with_overlay(pixels: NDArray[np.uint8], seen: Seen) -> NDArray[np.uint8]:
 
 
 def _draw_tag(draw: ImageDraw.ImageDraw, tag_id: int, corners_px: NDArray[np.float64]) -> None:
-    """Lines two pixels wide around the black square, centred on its edge. Pixel centres are at integers here and there."""
+    """Lines two pixels wide on the edge of the black square. Pixel centres are at integers here and there."""
     if not np.isfinite(corners_px).all() or np.abs(corners_px).max() > 1e5:
         return
     outline = [tuple(corner) for corner in [*corners_px.tolist(), corners_px[0].tolist()]]

@@ -31,7 +31,6 @@ def export_mp4(
     *,
     robot: str | None = None,
     overlay: bool = True,
-    on_reading: OnProgress | None = None,
     on_progress: OnProgress | None = None,
 ) -> int:
     """The number of frames written. Images of another size than the first's are scaled to it.
@@ -39,7 +38,8 @@ def export_mp4(
     RecordingError if there is no image, or if several cameras were recorded and none is named; MissingFileError,
     MissingPackageError, OSError."""
     av = require("av", "export")
-    run = read_run(path, on_progress=on_reading)
+    first, second = _halves(on_progress)
+    run = read_run(path, on_progress=first)
     cameras = [channel.removesuffix("_IMAGE").lower() for channel in run.channels if channel.endswith("_IMAGE")]
     camera = _camera(path, cameras, robot)
     whose = next((one for one in run.coordinators if one.name.lower() == camera), None)
@@ -48,7 +48,7 @@ def export_mp4(
     with written_whole(out) as partial, _opened(av, partial, out) as container:
         video = _Video(av, container)
         clock: RunClock | None = None
-        for image in images_in(path, None, on_progress):
+        for image in images_in(path, None, second):
             if image.robot != camera:
                 continue
             clock = clock or RunClock(image.log_utime)
@@ -118,6 +118,20 @@ class _Known:
             bearing_rad=float(self._frames["bearing_rad"][row]) if measured else None,
             tags=tuple(tags),
         )
+
+
+def _halves(on_progress: OnProgress | None) -> tuple[OnProgress | None, OnProgress | None]:
+    """The file is read twice: for what was seen, and for the images."""
+    if on_progress is None:
+        return None, None
+
+    def first(done: int, total: int | None) -> None:
+        on_progress(done, 2 * (total or 0))
+
+    def second(done: int, total: int | None) -> None:
+        on_progress((total or 0) + done, 2 * (total or 0))
+
+    return first, second
 
 
 def _camera(path: Path, cameras: list[str], robot: str | None) -> str:

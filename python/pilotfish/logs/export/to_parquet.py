@@ -48,7 +48,9 @@ def _field(pa: Any, column: Column) -> Any:
 
 
 def _write(pa: Any, writer: Any, schema: Any, cells: list[list[Any]]) -> None:
-    writer.write_batch(pa.record_batch([pa.array(v, f.type) for v, f in zip(cells, schema, strict=True)], schema=schema))
+    writer.write_batch(
+        pa.record_batch([pa.array(v, f.type) for v, f in zip(cells, schema, strict=True)], schema=schema)
+    )
     for values in cells:
         values.clear()
 
