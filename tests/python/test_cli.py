@@ -113,7 +113,7 @@ def test_a_recording_is_plotted_beside_itself(tmp_path):
 def test_a_yaml_file_of_another_kind_is_called_by_its_kind(file, what):
     result, said = run("plot", data.path(file))
     assert result.exit_code == 78
-    assert f"is {what}, not a fuzzy controller" in said
+    assert f"no fuzzy controller: E: is missing; this file looks like {what}" in said
 
 
 def test_a_recording_without_a_setpoint_is_plotted_once_the_setpoint_is_given(tmp_path):

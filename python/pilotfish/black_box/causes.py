@@ -1,8 +1,8 @@
 """Where two computations of the same frame part, in words: which input, or which stage of the law.
 
-The coordinator publishes with every frame what it saw (observation_t) and the law's intermediate results (status_t), and its
-black box keeps both. So a command that differs is traced: did the measurement that is replayed leave the coordinator as it is
-recorded, and which intermediate result is the first that differs.
+The coordinator publishes with every frame what it saw (observation_t) and the law's intermediate results (status_t), and
+its black box keeps both. So a command that differs is traced: is the measurement that is replayed the one that was
+published, and which intermediate result is the first that differs.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ STAGES = (
     ("the weight of the feed-forward", ("feed_forward_weight",)),
     ("the output u of the fuzzy law", ("output",)),
 )
+Answer = tuple[core.Status, core.Reason, core.Twist]
 _MEASURED = ("distance_m", "bearing_rad", "heading_rad")
 
 
@@ -72,9 +73,7 @@ def observation_cause(was: core.Observation | None, now: core.Observation | None
     return "distance, bearing and heading agree; a covariance or a figure of quality differs"
 
 
-def answer_cause(
-    was: tuple[core.Status, core.Reason, core.Twist], now: tuple[core.Status, core.Reason, core.Twist]
-) -> str:
+def answer_cause(was: Answer, now: Answer) -> str:
     """What of an answer differs."""
     if was[0] != now[0]:
         return f"the status: {was[0].name} then, {now[0].name} now"
@@ -96,6 +95,5 @@ def held_cause(was: HeldCommand, now: HeldCommand) -> str:
     for name in ("run", "ever_measured", "holding", "utime", "from_us", "until_us"):
         if getattr(was, name) != getattr(now, name):
             return f"{name}: {getattr(was, name)} then, {getattr(now, name)} now"
-    return answer_cause(
-        (core.Status.tracking, core.Reason.none, was.command), (core.Status.tracking, core.Reason.none, now.command)
-    )
+    same = (core.Status.tracking, core.Reason.none)
+    return answer_cause((*same, was.command), (*same, now.command))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from pilotfish.cli.console import console, friendly_errors, progress, warn
+from pilotfish.cli.console import byte_progress, console, friendly_errors, warn
 from pilotfish.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -35,13 +35,16 @@ def replay(
       pilotfish replay robot1-1764000000000000-12.lcmlog --from-pixels
     """
     from pilotfish import blackbox
-    from pilotfish.black_box import events_in
     from pilotfish.black_box import replay as compute
+    from pilotfish.black_box.log import files_in
+    from pilotfish.logs.sources import events_of
 
     with friendly_errors():
         try:
-            with progress("replaying") as step:
-                report = compute(events_in(log, robot), from_pixels=from_pixels, on_progress=step)
+            files = files_in(log, robot)
+            with byte_progress("replaying") as step:
+                events = events_of(files, 0, sum(file.stat().st_size for file in files), step)
+                report = compute(events, from_pixels=from_pixels)
         except ValueError as error:  # of the bindings; the recorded configuration is not one of this program
             raise ConfigError(f"{log}: {error}") from error
         console.print(_table(report, from_pixels))

@@ -65,8 +65,8 @@ def difference_table(names: Sequence[str], rows: Mapping[str, Sequence[str | Non
 def settings_texts(settings: Settings) -> str:
     """The recorded files, folded."""
     said = table(["", ""], [["program", settings.program], ["command line", settings.command_line]], numbers=False)
-    files = "".join(
-        f"<details><summary>{escape(file.role)}: {escape(file.name)}</summary>\n<pre>{escape(file.text)}</pre></details>\n"
-        for file in settings.files
-    )
+    files = ""
+    for file in settings.files:
+        summary = f"<summary>{escape(file.role)}: {escape(file.name)}</summary>"
+        files += f"<details>{summary}<pre>{escape(file.text)}</pre></details>\n"
     return said + files
