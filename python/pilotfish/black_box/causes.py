@@ -1,7 +1,7 @@
 """Where two computations of the same frame part, in words: which input, or which stage of the law.
 
-The coordinator publishes with every frame what it saw (observation_t) and the law's intermediate results (status_t), and
-its black box keeps both. So a command that differs is traced: is the measurement that is replayed the one that was
+The coordinator publishes with every frame what it saw (observation_t) and the law's intermediate results (status_t),
+and its black box keeps both. So a command that differs is traced: is the measurement that is replayed the one that was
 published, and which intermediate result is the first that differs.
 """
 

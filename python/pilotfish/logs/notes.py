@@ -45,6 +45,7 @@ class RobotNotes:
     name: str = ""
     settings: list[Settings] = field(default_factory=list)  # each once, in the order in which they came
     sessions: list[int] = field(default_factory=list)
+    simulated: bool = False  # its commands say that time is a simulator's
     counters: dict[str, int] = field(default_factory=dict)
     stages: dict[str, Stage] = field(default_factory=dict)
 
@@ -56,6 +57,7 @@ class RunNotes:
     start_utime: int = 0  # wall clock at the first event [us]: t_s counts from here
     robots: dict[str, RobotNotes] = field(default_factory=dict)
     events: Counter[str] = field(default_factory=Counter)  # by channel
+    cameras: Counter[str] = field(default_factory=Counter)  # events with images, by whose camera it is
     damage: list[Damage] = field(default_factory=list)
     unreadable: int = 0  # events on our channels that are no messages of these types
 

@@ -30,6 +30,7 @@ def read_run(path: str | Path, robot: str | None = None, on_progress: OnProgress
         path=Path(path),
         robots={one.name: one for one in robots},
         channels=dict(notes.events),
+        cameras=dict(notes.cameras),
         damage=tuple(notes.damage),
         unreadable=notes.unreadable,
     )
@@ -45,6 +46,7 @@ def _robot(growing: dict[str, GrowingTable], notes: RobotNotes) -> RobotRun:
         events=tuple(sorted((RunEvent(*one) for one in happened), key=lambda event: event.t_s)),
         settings=tuple(notes.settings),
         sessions=tuple(notes.sessions),
+        simulated=notes.simulated,
         counters=dict(sorted(notes.counters.items())),
         stages=dict(notes.stages),
     )

@@ -121,6 +121,7 @@ class RobotSift:
 
     def on_command(self, log_utime: int, message: Any) -> None:
         self._frames.command(message)
+        self._notes.simulated = self._notes.simulated or bool(message.simulated)
         self._sent_command(log_utime, message.utime, message)
 
     def on_sent(self, log_utime: int, message: Any) -> None:

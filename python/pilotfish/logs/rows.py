@@ -98,6 +98,7 @@ class _Sifting:
         if self._only not in (None, robot_of(event.channel, kind)):
             return None
         if kind == "IMAGE":
+            self._notes.cameras[robot_of(event.channel, kind)] += 1
             return event
         message = decode(event, kind)
         self._notes.unreadable += message is None

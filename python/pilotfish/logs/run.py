@@ -60,6 +60,7 @@ class RobotRun:
     events: tuple[RunEvent, ...]
     settings: tuple[Settings, ...]  # of a black box; more than one if it was started with others in between
     sessions: tuple[int, ...]
+    simulated: bool  # time was a simulator's
     counters: Mapping[str, int]
     stages: Mapping[str, Stage]
 
@@ -76,6 +77,7 @@ class Run:
     path: Path
     robots: Mapping[str, RobotRun]
     channels: Mapping[str, int]  # events by channel
+    cameras: Mapping[str, int]  # events with images, by whose camera it is
     damage: tuple[Damage, ...]
     unreadable: int
 

@@ -17,6 +17,7 @@ from pilotfish.plots.style import VERMILLION
 
 BAR_PX = 28
 _LABEL_PX = 14
+_LINE_PX, _FINER = 2, 8
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,9 @@ def with_overlay(pixels: NDArray[np.uint8], seen: Seen) -> NDArray[np.uint8]:
     pixels = np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
     picture = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + BAR_PX), "black")
     picture.paste(Image.fromarray(pixels), (0, 0))
-    draw = ImageDraw.Draw(picture)
     for tag_id, corners_px in seen.tags:
-        _draw_tag(draw, tag_id, corners_px)
+        _draw_tag(picture, tag_id, corners_px)
+    draw = ImageDraw.Draw(picture)
     font, middle = _font(_LABEL_PX), pixels.shape[0] + BAR_PX // 2
     words = f"{seen.status}: {seen.reason}" if seen.reason not in ("", "none") else seen.status or "not recorded"
     left = f"t = {seen.t_s:.2f} s"
@@ -51,12 +52,12 @@ def with_overlay(pixels: NDArray[np.uint8], seen: Seen) -> NDArray[np.uint8]:
     return np.asarray(picture)
 
 
-def _draw_tag(draw: ImageDraw.ImageDraw, tag_id: int, corners_px: NDArray[np.float64]) -> None:
+def _draw_tag(picture: Image.Image, tag_id: int, corners_px: NDArray[np.float64]) -> None:
     """Lines two pixels wide on the edge of the black square. Pixel centres are at integers here and there."""
     if not np.isfinite(corners_px).all() or np.abs(corners_px).max() > 1e5:
         return
-    outline = [tuple(corner) for corner in [*corners_px.tolist(), corners_px[0].tolist()]]
-    draw.line(outline, fill=VERMILLION, width=2, joint="curve")
+    _draw_outline(picture, corners_px)
+    draw = ImageDraw.Draw(picture)
     above = (float(corners_px[:, 0].mean()), float(corners_px[:, 1].min()) - 4)
     draw.text(
         above,
@@ -67,6 +68,22 @@ def _draw_tag(draw: ImageDraw.ImageDraw, tag_id: int, corners_px: NDArray[np.flo
         stroke_width=2,
         stroke_fill="black",
     )
+
+
+def _draw_outline(picture: Image.Image, corners_px: NDArray[np.float64]) -> None:
+    """To fractions of a pixel: Pillow's own lines begin and end at whole ones. So it is drawn _FINER times as large,
+    around the tag only, and averaged."""
+    low = np.maximum(np.floor(corners_px.min(axis=0)).astype(int) - _LINE_PX, 0)
+    high = np.minimum(np.ceil(corners_px.max(axis=0)).astype(int) + _LINE_PX + 1, picture.size)
+    width, height = (high - low).tolist()
+    if width <= 0 or height <= 0:
+        return
+    mask = Image.new("L", (width * _FINER, height * _FINER), 0)
+    fine = np.round((corners_px - low + 0.5) * _FINER - 0.5).astype(int).tolist()
+    # An odd width lies evenly on both sides.
+    outline = [tuple(corner) for corner in [*fine, fine[0], fine[1]]]  # one side twice: the last joint is round, too
+    ImageDraw.Draw(mask).line(outline, fill=255, width=_LINE_PX * _FINER - 1, joint="curve")
+    picture.paste(VERMILLION, tuple(low.tolist()), mask.resize((width, height), Image.Resampling.BOX))
 
 
 @lru_cache(maxsize=4)

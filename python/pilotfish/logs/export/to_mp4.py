@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pilotfish.errors import RecordingError
+from pilotfish.errors import MissingPackageError, RecordingError
 from pilotfish.extras import require
 from pilotfish.logs.clock import RunClock
 from pilotfish.logs.columns import CORNERS, NONE
@@ -17,11 +18,12 @@ from pilotfish.logs.export.output import written_whole
 from pilotfish.logs.export.overlay import Seen, with_overlay
 from pilotfish.logs.images import RecordedImage, images_in
 from pilotfish.logs.reader import read_run
-from pilotfish.logs.run import RobotRun
+from pilotfish.logs.run import RobotRun, Run
 from pilotfish.logs.sources import OnProgress
 
 TIME_BASE = Fraction(1, 1_000_000)  # microseconds, as the stamps
 _QUALITY = {"crf": "20", "preset": "veryfast", "bf": "0"}
+_INSTALL = "pip install 'pilotfish[export]'"
 _NOMINAL_RATE_HZ = 30
 
 
@@ -40,34 +42,43 @@ def export_mp4(
     av = require("av", "export")
     first, second = _halves(on_progress)
     run = read_run(path, on_progress=first)
-    cameras = [channel.removesuffix("_IMAGE").lower() for channel in run.channels if channel.endswith("_IMAGE")]
-    camera = _camera(path, cameras, robot)
-    whose = next((one for one in run.coordinators if one.name.lower() == camera), None)
-    known = _Known(whose)
-    count = 0
-    with written_whole(out) as partial, _opened(av, partial, out) as container:
-        video = _Video(av, container)
-        clock: RunClock | None = None
-        for image in images_in(path, None, second):
-            if image.robot != camera:
-                continue
-            clock = clock or RunClock(image.log_utime)
-            t_s = clock.of_frame(image.utime, image.log_utime, NONE, simulated=known.simulated)
-            pixels = image.pixels()
-            if pixels is None:
-                continue  # damaged, or of a format that is not read
-            video.add(with_overlay(pixels, known.of(image, t_s)) if overlay else _even(pixels), t_s)
-            count += 1
-        if not count:
-            raise RecordingError(f"{path}: no image of '{camera}' that can be read")
-        video.finish()
-    return count
+    camera = _camera(path, list(run.cameras), robot)
+    known = _Known(_whose(run, camera))
+    try:
+        with written_whole(out) as partial, av.open(str(partial), "w", format="mp4") as container:
+            video = _Video(av, container)
+            for image, pixels, t_s in _timed(images_in(path, None, second), camera, simulated=known.simulated):
+                video.add(with_overlay(pixels, known.of(image, t_s)) if overlay else _even(pixels), t_s)
+            if not video.count:
+                raise RecordingError(f"{path}: no image of '{camera}' that can be read")
+            video.finish()
+    except av.codec.codec.UnknownCodecError as error:
+        raise MissingPackageError(f"this PyAV has no encoder for H.264 ({error}): {_INSTALL}") from error
+    except av.error.FFmpegError as error:
+        raise OSError(error.errno, error.strerror, str(out)) from error
+    return video.count
+
+
+def _timed(
+    images: Iterator[RecordedImage], camera: str, *, simulated: bool
+) -> Iterator[tuple[RecordedImage, NDArray[np.uint8], float]]:
+    """The camera's images that can be read, with their pixels and their times."""
+    clock: RunClock | None = None
+    for image in images:
+        if image.robot != camera:
+            continue
+        clock = clock or RunClock(image.log_utime)
+        t_s = clock.of_frame(image.utime, image.log_utime, NONE, simulated=simulated)
+        pixels = image.pixels()
+        if pixels is not None:  # else damaged, or of a format that is not read
+            yield image, pixels, t_s
 
 
 class _Video:
     def __init__(self, av: Any, container: Any) -> None:
         self._av, self._container, self._stream = av, container, None
         self._last_pts = -1
+        self.count = 0
 
     def add(self, pixels: NDArray[np.uint8], t_s: float) -> None:
         if self._stream is None:
@@ -81,6 +92,7 @@ class _Video:
         self._last_pts = max(round(t_s / TIME_BASE), self._last_pts + 1)
         frame.pts, frame.time_base = self._last_pts, TIME_BASE
         self._container.mux(self._stream.encode(frame))
+        self.count += 1
 
     def finish(self) -> None:
         self._container.mux(self._stream.encode(None))
@@ -91,7 +103,7 @@ class _Known:
 
     def __init__(self, robot: RobotRun | None) -> None:
         self._frames, self._tags = (robot.frames, robot.tags) if robot else (None, None)
-        self.simulated = False
+        self.simulated = robot is not None and robot.simulated
         self._rows: dict[int, int] = {}
         self._tag_rows: dict[int, list[int]] = {}
         if robot is None:
@@ -134,6 +146,12 @@ def _halves(on_progress: OnProgress | None) -> tuple[OnProgress | None, OnProgre
     return first, second
 
 
+def _whose(run: Run, camera: str) -> RobotRun | None:
+    """The coordinator that looked through it: of the same name, or the only one if there is one camera."""
+    alone = len(run.coordinators) == 1 and len(run.cameras) == 1
+    return next((one for one in run.coordinators if alone or one.name.lower() == camera), None)
+
+
 def _camera(path: Path, cameras: list[str], robot: str | None) -> str:
     if robot is not None:
         if robot.lower() not in cameras:
@@ -148,13 +166,6 @@ def _camera(path: Path, cameras: list[str], robot: str | None) -> str:
     if len(cameras) > 1:
         raise RecordingError(f"{path}: several cameras recorded here, name one with --robot: {', '.join(cameras)}")
     return cameras[0]
-
-
-def _opened(av: Any, partial: Path, out: Path) -> Any:
-    try:
-        return av.open(str(partial), "w", format="mp4")
-    except av.error.FFmpegError as error:
-        raise OSError(error.errno, error.strerror, str(out)) from error
 
 
 def _even(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
