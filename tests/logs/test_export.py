@@ -82,10 +82,10 @@ def test_parquet_is_written_in_groups_of_rows(tmp_path, monkeypatch):
 
 
 def mcap_messages(file):
-    """topic -> [(schema name, log time [ns], message)], by mcap's own reader."""
+    """topic -> [(schema name, log time [ns], message)] in the order of the file, by mcap's own reader."""
     found = {}
     with file.open("rb") as stream:
-        for schema, channel, message in make_reader(stream).iter_messages():
+        for schema, channel, message in make_reader(stream).iter_messages(log_time_order=False):
             assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
             found.setdefault(channel.topic, []).append((schema.name, message.log_time, json.loads(message.data)))
     return found

@@ -178,8 +178,8 @@ def test_runs_without_settings_say_so_and_a_run_without_a_leader_is_drawn(tmp_pa
 
 
 def test_an_hour_makes_a_page_that_a_browser_can_show(tmp_path):
-    """Curves are thinned: an hour at 30 Hz has 108 000 frames, the page less than 1.5 MB. Here twenty minutes of it, made
-    in memory from a short recording; more would be thinned to the same."""
+    """Curves are thinned: an hour at 30 Hz has 108 000 frames, the page less than 1.5 MB. Here twenty minutes of it,
+    made in memory from a short recording; more would be thinned to the same."""
     from dataclasses import replace
 
     from pilotfish.logs.run import Table

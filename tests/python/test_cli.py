@@ -27,7 +27,11 @@ def test_without_a_command_the_help_is_shown():
 
 
 @pytest.mark.parametrize(
-    "command", ["stop", "resume", "setpoint", "key new", "experiment", "render", "plot", "learn-body", "tune", "demo"]
+    "command",
+    [
+        *("stop", "resume", "setpoint", "key new", "experiment", "render", "plot", "replay", "report", "export"),
+        *("learn-body", "tune", "demo"),
+    ],
 )
 def test_every_help_has_an_example_to_copy(command):
     result, said = run(*command.split(), "--help")
