@@ -76,6 +76,7 @@ class RobotSift:
     # One method for every kind of message, of its name.
 
     def on_box(self, log_utime: int, message: Any) -> None:
+        """A place to replay from: who, with what settings, what was lost."""
         self._notes.name = message.robot
         self._session_now(log_utime, message.session)
         if self._next_call not in (NONE, message.sequence):
@@ -90,6 +91,7 @@ class RobotSift:
             self._event(log_utime, "configuration", settings.program)
 
     def on_step(self, log_utime: int, message: Any) -> None:
+        """A call of the core."""
         if self._next_call not in (NONE, message.sequence):
             self._event(log_utime, "gap", f"{message.sequence - self._next_call} calls are missing")
         self._next_call = message.sequence + 1
@@ -104,9 +106,11 @@ class RobotSift:
             self._rows.append(("intents", {"t_s": self._clock.at(log_utime)} | twist))
 
     def on_observation(self, log_utime: int, message: Any) -> None:
+        """What was seen in a frame, as published."""
         self._frames.observation(log_utime, message)
 
     def on_status(self, log_utime: int, message: Any) -> None:
+        """The law's intermediate results, the setpoint that was taken, counters, stages."""
         self._session_now(log_utime, message.session)
         self._frames.status(log_utime, message)
         self._setpoint_now(
@@ -120,14 +124,17 @@ class RobotSift:
         self._sum_up()
 
     def on_command(self, log_utime: int, message: Any) -> None:
+        """A command as it went over the bus."""
         self._frames.command(message)
         self._notes.simulated = self._notes.simulated or bool(message.simulated)
         self._sent_command(log_utime, message.utime, message)
 
     def on_sent(self, log_utime: int, message: Any) -> None:
+        """The same as it was decided."""
         self._sent_command(log_utime, message.held.utime, message)
 
     def on_base(self, log_utime: int, message: Any) -> None:
+        """What the wheels do."""
         values = {name: getattr(message, name) for name in ("linear_mps", "angular_radps", "state")}
         values |= {"t_s": self._clock.at(log_utime), "log_utime_us": log_utime, "stopped": bool(message.stopped)}
         if message.measured:
@@ -135,12 +142,14 @@ class RobotSift:
         self._rows.append(("wheels", values))
 
     def on_pose(self, log_utime: int, message: Any) -> None:
+        """A robot's odometry, or a simulator's truth."""
         w, x, y, z = message.orientation
         heading_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         values = {"t_s": self._clock.at(log_utime), "utime_us": message.utime, "heading_rad": heading_rad}
         self._rows.append(("poses", values | {"x_m": message.pos[0], "y_m": message.pos[1]}))
 
     def on_motion(self, log_utime: int, message: Any) -> None:
+        """What a robot announces."""
         values = {name: getattr(message, name) for name in ("linear_mps", "angular_radps")}
         self._rows.append(("intents", values | {"t_s": self._clock.at(log_utime), "utime_us": message.utime}))
 
