@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from recordings import LOST, NO_FRAME, PERIOD_US, TRACKING, WALL_US, Writer, event
 
+from pilotfish.black_box.log import Damage, Event, events_in
 from pilotfish.errors import MissingFileError, RecordingError
-from pilotfish.lcmtypes.pilotfish import box_start_t, observation_t, status_t, step_t
+from pilotfish.lcmtypes.bot_core import pose_t
+from pilotfish.lcmtypes.pilotfish import base_t, box_start_t, motion_t, observation_t, sent_t, status_t, step_t
 from pilotfish.logs import read_run, rows_in
 
 PERIOD_S = PERIOD_US * 1e-6
@@ -269,6 +271,89 @@ def test_rows_come_while_the_file_is_read(tmp_path):
         read.append(progress["done"])
     assert seen == 300
     assert 0 < read[len(read) // 2] < progress["total"] == progress["done"]
+
+
+def test_a_command_that_a_black_box_has_twice_is_one_command(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for k in range(3):
+        writer.frame()
+        sent = sent_t()
+        sent.session, sent.counter, sent.status = writer.session, writer.counter + (k == 2), TRACKING
+        sent.held.utime = writer.stamp_us
+        writer.write("SENT", sent)  # the last one did not get onto the bus
+        writer.passes()
+    robot = read_run(writer.file).robots["robot1"]
+    assert robot.commands["counter"].tolist() == [1, 2, 3, 4]
+
+
+def test_wheels_poses_and_announcements_have_tables_of_their_own(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    base, pose, motion = base_t(), pose_t(), motion_t()
+    base.linear_mps, base.measured, base.measured_linear_mps, base.state = 0.3, True, 0.29, base_t.STATE_DRIVING
+    base.mac = bytes(32)
+    writer.write("BASE", base)
+    # A quarter turn to the left about z: the quaternion (cos 45°, 0, 0, sin 45°).
+    pose.pos, pose.orientation, pose.utime = [1.0, 2.0, 0.0], [2**-0.5, 0.0, 0.0, 2**-0.5], 7
+    writer.write("POSE", pose)
+    motion.linear_mps, motion.utime = 0.2, 8
+    writer.write("MOTION", motion)
+    robot = read_run(writer.file).robots["robot1"]
+    assert robot.wheels.words("state").tolist() == ["driving"]
+    assert robot.wheels["measured_linear_mps"].tolist() == [0.29]
+    assert (robot.poses["x_m"][0], robot.poses["y_m"][0]) == (1.0, 2.0)
+    assert robot.poses["heading_rad"][0] == pytest.approx(np.pi / 2)
+    assert robot.intents["linear_mps"].tolist() == [0.2]
+
+
+def test_odometry_and_announcements_that_a_coordinator_was_given_are_in_its_black_box(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for sequence, kind in enumerate((step_t.KIND_OWN_MOTION, step_t.KIND_LEADER_INTENT)):
+        step = step_t()
+        step.sequence, step.kind, step.utime, step.linear_mps = sequence, kind, 9, 0.1 + sequence
+        writer.write("STEP", step)
+    robot = read_run(writer.file).robots["robot1"]
+    assert robot.odometry["linear_mps"].tolist() == [0.1]
+    assert robot.intents["linear_mps"].tolist() == [1.1]
+
+
+def test_calls_that_are_missing_in_a_black_box_are_a_gap(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for sequence in (4, 5, 9):
+        step = step_t()
+        step.sequence, step.kind, step.utime = sequence, step_t.KIND_FRAME, writer.stamp_us
+        writer.write("STEP", step)
+        writer.passes()
+    assert said(read_run(writer.file), "gap") == ["3 calls are missing"]
+
+
+def test_damage_is_found_wherever_the_pieces_end_in_which_a_file_is_searched(tmp_path, monkeypatch):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(4):
+        writer.frame()
+    content = bytearray(writer.file.read_bytes())
+    content[0] ^= 1
+    content[500:900] = b"\xed\xa1\xda" * 133 + b"\xed"  # sync words that are none
+    writer.file.write_bytes(bytes(content))
+    whole = [(one.offset, type(one)) for one in events_in(writer.file)]
+    assert {kind for _, kind in whole} == {Damage, Event}
+    for size in (5, 7, 64):
+        monkeypatch.setattr("pilotfish.black_box.log._SCANNED_BYTES", size)
+        assert [(one.offset, type(one)) for one in events_in(writer.file)] == whole
+
+
+def test_a_file_that_a_ring_deletes_while_it_is_read_costs_that_file_only(tmp_path):
+    files = []
+    for number in range(3):
+        writer = Writer(tmp_path / f"robot1-{WALL_US}-{number}.lcmlog")
+        writer.passes(number * 100_000)
+        writer.counter = number
+        writer.frame(1.0 + number)
+        files.append(writer.file)
+    rows = rows_in(tmp_path)
+    next(rows)
+    files[1].unlink()
+    seen = [row.values["distance_m"] for row in rows if row.table == "frames"]
+    assert seen == [1.0, 3.0]
 
 
 def test_the_black_box_start_and_the_observation_type_are_still_what_the_reader_expects():

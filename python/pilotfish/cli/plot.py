@@ -69,7 +69,7 @@ def plot(
     with friendly_errors():
         suffix = f".{picture_format.value}"
         if _is_log(file):
-            written = _draw_log(file, out or (file if file.is_dir() else file.parent), robot, suffix, dark)
+            written = _draw_log(file, out or file.resolve().parent, robot, suffix, dark)
         elif dark:
             raise typer.BadParameter(f"--dark is for black boxes and files of lcm-logger, and {file} is neither")
         elif file.suffix == ".csv":

@@ -37,13 +37,13 @@ def replay(
     from pilotfish import blackbox
     from pilotfish.black_box import replay as compute
     from pilotfish.black_box.log import files_in
-    from pilotfish.logs.sources import events_of
+    from pilotfish.logs.sources import events_of, size_of
 
     with friendly_errors():
         try:
             files = files_in(log, robot)
             with byte_progress("replaying") as step:
-                events = events_of(files, 0, sum(file.stat().st_size for file in files), step)
+                events = events_of(files, 0, size_of(files), step)
                 report = compute(events, from_pixels=from_pixels)
         except ValueError as error:  # of the bindings; the recorded configuration is not one of this program
             raise ConfigError(f"{log}: {error}") from error

@@ -15,7 +15,7 @@ from pilotfish.black_box.log import Event
 from pilotfish.black_box.messages import COPY_MARK
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.logs.messages import decode, kind_of
-from pilotfish.logs.sources import OnProgress, events_of, recordings_in
+from pilotfish.logs.sources import OnProgress, events_of, recordings_in, size_of
 
 JPEG = image_t.PIXEL_FORMAT_MJPEG
 _CHANNELS = {
@@ -73,7 +73,7 @@ def images_in(
 ) -> Iterator[RecordedImage]:
     """Every image of a recording, of a robot's camera if one is named. MissingFileError."""
     recordings = recordings_in(Path(path), robot)
-    total = sum(file.stat().st_size for files in recordings for file in files)
+    total = sum(map(size_of, recordings))
     before = 0
     for files in recordings:
         for event in events_of(files, before, total, on_progress):
@@ -81,7 +81,7 @@ def images_in(
                 image = image_of(event)
                 if image is not None and robot in (None, image.robot):
                     yield image
-        before += sum(file.stat().st_size for file in files)
+        before += size_of(files)
 
 
 def image_of(event: Event) -> RecordedImage | None:

@@ -8,12 +8,12 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from pilotfish.black_box.log import Damage, Event, events_in
+from pilotfish.black_box.log import Damage, Event
 from pilotfish.errors import RecordingError
 from pilotfish.logs.messages import Message, decode, is_unreadable, kind_of, robot_of
 from pilotfish.logs.notes import RunNotes
 from pilotfish.logs.robot_sift import RobotSift
-from pilotfish.logs.sources import OnProgress, events_of, recordings_in
+from pilotfish.logs.sources import OnProgress, events_of, recordings_in, size_of
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def everything_in(
 ) -> Iterator[Row | Message | Event]:
     """The same rows, and between them each message that was decoded, and each event with an image, which is not."""
     recordings = recordings_in(Path(path), robot)
-    total = sum(file.stat().st_size for files in recordings for file in files)
+    total = sum(map(size_of, recordings))
     start_utime = _start_of(recordings)
     if start_utime is None:
         raise RecordingError(f"{path}: no event of LCM in it: neither a black box's file nor one of lcm-logger")
@@ -53,7 +53,7 @@ def everything_in(
         for item in _Sifting(notes, robot).items(events_of(files, before, total, on_progress)):
             heard = True
             yield item
-        before += sum(file.stat().st_size for file in files)
+        before += size_of(files)
     if not heard:
         channels = ", ".join(sorted(notes.events)[:10]) or "none"
         whose = f"of robot '{robot}'" if robot else "of Pilotfish"
@@ -115,6 +115,6 @@ def _start_of(recordings: list[list[Path]]) -> int | None:
     """When the first of them begins [us of the wall clock]; None if there is no event in any."""
     starts = []
     for files in recordings:
-        events = (event for file in files for event in events_in(file) if isinstance(event, Event))
+        events = (event for event in events_of(files, 0, 0, None) if isinstance(event, Event))
         starts += [event.utime for event in [next(events, None)] if event is not None]
     return min(starts, default=None)
