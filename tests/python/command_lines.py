@@ -54,6 +54,13 @@ COMMANDS = {
         number("--bearing-setpoint-deg", "1"),
         folder(),
     ],
+    "plot a log": ["plot", read("{log}"), folder()],
+    "report": ["report", read("{log}"), write("report.html", "--out")],
+    "report of two": ["report", "{log}", read("{log}"), write("report.html", "--out")],
+    "export to CSV": ["export", read("{log}"), "--to", "csv", write("run.csv", "--out")],
+    "export to Parquet": ["export", read("{log}"), "--to", "parquet", write("run.parquet", "--out")],
+    "export to MCAP": ["export", read("{log}"), "--to", "mcap", write("run.mcap", "--out")],
+    "export to MP4": ["export", read("{log}"), "--to", "mp4", write("run.mp4", "--out")],
     "plot fuzzy": ["plot", read(LAW), folder()],
     "tune": ["tune", "pid", number("--trials", "1"), number("--seed", "1"), write("pid.yaml", "--out")],
     "learn-body": [
@@ -166,7 +173,7 @@ def cases():
 
 
 def line(command, here, tmp, place=None, wrong=None):
-    """The words of a command; at ``place`` with what is ``wrong`` there. ``here`` says what {video} and {run} are."""
+    """The words of a command; at ``place`` with what is ``wrong`` there. ``here``: what {video}, {run}, {log} are."""
     words = []
     for at, word in enumerate(COMMANDS[command]):
         slot = word if isinstance(word, Slot) else Slot("", word)

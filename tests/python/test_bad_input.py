@@ -12,6 +12,7 @@ from PIL import Image
 from synthetic_run import exponential_run
 from typer.testing import CliRunner
 
+from logs.recordings import Writer
 from pilotfish.cli import app
 
 runner = CliRunner()
@@ -22,13 +23,16 @@ WITHIN_S = 60.0
 
 @pytest.fixture(scope="module")
 def here(tmp_path_factory):
-    """What the command lines need: a recording, and a video in which there is nothing to see."""
+    """What the command lines need: recordings, and a video in which there is nothing to see."""
     folder = tmp_path_factory.mktemp("here")
     exponential_run().to_csv(folder / "run.csv")
     (folder / "video").mkdir()
     for k in range(3):
         Image.fromarray(np.full((480, 640), 90, np.uint8)).save(folder / "video" / f"{k}.png")
-    return {"run": folder / "run.csv", "video": folder / "video"}
+    log = Writer(folder / "run.lcmlog")
+    log.image(np.full((48, 64), 90, np.uint8))
+    log.frame()
+    return {"run": folder / "run.csv", "video": folder / "video", "log": log.file}
 
 
 @pytest.mark.parametrize(

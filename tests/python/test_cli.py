@@ -27,7 +27,11 @@ def test_without_a_command_the_help_is_shown():
 
 
 @pytest.mark.parametrize(
-    "command", ["stop", "resume", "setpoint", "key new", "experiment", "render", "plot", "learn-body", "tune", "demo"]
+    "command",
+    [
+        *("stop", "resume", "setpoint", "key new", "experiment", "render", "plot", "replay", "report", "export"),
+        *("learn-body", "tune", "demo"),
+    ],
 )
 def test_every_help_has_an_example_to_copy(command):
     result, said = run(*command.split(), "--help")
@@ -113,7 +117,7 @@ def test_a_recording_is_plotted_beside_itself(tmp_path):
 def test_a_yaml_file_of_another_kind_is_called_by_its_kind(file, what):
     result, said = run("plot", data.path(file))
     assert result.exit_code == 78
-    assert f"is {what}, not a fuzzy controller" in said
+    assert f"no fuzzy controller: E: is missing; this file looks like {what}" in said
 
 
 def test_a_recording_without_a_setpoint_is_plotted_once_the_setpoint_is_given(tmp_path):

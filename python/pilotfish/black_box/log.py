@@ -6,17 +6,20 @@ data.
 
 from __future__ import annotations
 
+import os
 import re
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from pilotfish.errors import MissingFileError, RecordingError
 
 _SYNC = b"\xed\xa1\xda\x01"
 _HEADER = struct.Struct(">4sqqii")
 _MAX_CHANNEL_LETTERS = 63
+_SCANNED_BYTES = 1 << 20
 _SEGMENT = re.compile(r"(?P<robot>\w+)-(?P<start>\d+)-(?P<number>\d+)\.lcmlog")
 
 
@@ -68,33 +71,57 @@ def files_in(path: Path, robot: str | None = None) -> list[Path]:
     return [file for _, _, file in sorted(own)]
 
 
+def robots_in(folder: Path) -> list[str]:
+    """The robots whose rings are in a folder, by name."""
+    return sorted({match["robot"] for path in folder.iterdir() if (match := _SEGMENT.fullmatch(path.name))})
+
+
 def _events_of(file: Path) -> Iterator[Event | Damage]:
+    """One event in memory at a time: lcm-logger's files with images hold gigabytes."""
     with file.open("rb") as stream:
-        content = stream.read()
-    offset = 0
-    while offset < len(content):
-        event = _event_at(content, offset, file)
-        if event is not None:
-            yield event
-            offset += _HEADER.size + len(event.channel) + len(event.data)
-            continue
-        begin = offset
-        while True:
-            found = content.find(_SYNC, offset + 1)
-            offset = len(content) if found < 0 else found
-            if offset == len(content) or _event_at(content, offset, file) is not None:
-                break
-        yield Damage(file, begin, offset - begin, at_end=offset == len(content))
+        end = os.fstat(stream.fileno()).st_size  # of a file that grows: what was there at first
+        offset = 0
+        while offset < end:
+            event = _event_at(stream, offset, end, file)
+            if event is not None:
+                yield event
+                offset += _HEADER.size + len(event.channel) + len(event.data)
+                continue
+            begin = offset
+            while True:
+                offset = _next_sync(stream, offset + 1, end)
+                if offset == end or _event_at(stream, offset, end, file) is not None:
+                    break
+            yield Damage(file, begin, offset - begin, at_end=offset == end)
 
 
-def _event_at(content: bytes, offset: int, file: Path) -> Event | None:
-    if offset + _HEADER.size > len(content):
+def _event_at(stream: BinaryIO, offset: int, end: int, file: Path) -> Event | None:
+    if offset + _HEADER.size > end:
         return None
-    sync, _, utime, letters, size = _HEADER.unpack_from(content, offset)
+    stream.seek(offset)
+    header = stream.read(_HEADER.size)
+    if len(header) < _HEADER.size:
+        return None
+    sync, _, utime, letters, size = _HEADER.unpack(header)
     data = offset + _HEADER.size + letters
-    if sync != _SYNC or not 1 <= letters <= _MAX_CHANNEL_LETTERS or size < 0 or data + size > len(content):
+    if sync != _SYNC or not 1 <= letters <= _MAX_CHANNEL_LETTERS or size < 0 or data + size > end:
         return None
-    channel = content[data - letters : data]
-    if not channel.isascii():
+    channel = stream.read(letters)
+    content = stream.read(size)
+    if len(channel) < letters or len(content) < size or not channel.isascii():
         return None
-    return Event(file, offset, utime, channel.decode("ascii"), content[data : data + size])
+    return Event(file, offset, utime, channel.decode("ascii"), content)
+
+
+def _next_sync(stream: BinaryIO, offset: int, end: int) -> int:
+    """Where the next sync word begins, at ``offset`` or later; ``end`` if there is none."""
+    while offset < end:
+        stream.seek(offset)
+        chunk = stream.read(min(_SCANNED_BYTES, end - offset))
+        found = chunk.find(_SYNC)
+        if found >= 0:
+            return offset + found
+        if len(chunk) < _SCANNED_BYTES:
+            return end
+        offset += len(chunk) - len(_SYNC) + 1  # the word may begin in the last three bytes
+    return end

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import struct
-
 import numpy as np
 
 from pilotfish import blackbox, core
+from pilotfish.black_box.bits import bits
 from pilotfish.coordinator import ConfigBundle, ConfigOverrides, ConfigText, HeldCommand
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import box_start_t, held_t, measurement_t
@@ -92,11 +91,6 @@ def frame_of(picture: image_t) -> core.Frame:
         pixels = np.frombuffer(bytes(picture.data), np.uint8).reshape(picture.height, picture.width)
         frame = core.Frame(pixels, utime=picture.utime)
     return frame or core.Frame.unchecked(b"", width=0, height=0, stride_bytes=0, utime=picture.utime)
-
-
-def bits(*numbers: float) -> bytes:
-    """Equal only if every bit is: zero is not minus zero, and one NaN is another of the same bits."""
-    return struct.pack(f"<{len(numbers)}d", *numbers)
 
 
 def twist_bits(twist: core.Twist) -> bytes:

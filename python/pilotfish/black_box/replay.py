@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from pilotfish import core
-from pilotfish.black_box import messages
+from pilotfish.black_box import causes, messages
 from pilotfish.black_box.log import Damage, Event
-from pilotfish.coordinator import Coordinator, CoordinatorFile, HeldCommand, StepResult, load_bundle
+from pilotfish.coordinator import Coordinator, CoordinatorFile, HeldCommand, StepResult, load_bundle, step_values
 from pilotfish.lcmtypes.bot_core import image_t
-from pilotfish.lcmtypes.pilotfish import box_start_t, sent_t, step_t
+from pilotfish.lcmtypes.pilotfish import box_start_t, measurement_t, observation_t, sent_t, status_t, step_t
 
 _KINDS = {
     step_t.KIND_FRAME: "frame",
@@ -28,11 +28,12 @@ _REFUSED_BY_TIME = {
     core.Reason.frame_time_implausible,
     core.Reason.frame_stale,
 }
+_TRACES = {"_OBSERVATION": observation_t, "_STATUS": status_t}
 # Why a sender sends zeros whatever it holds.
 _WITHHELD = {core.Reason.another_coordinator, core.Reason.internal_error, core.Reason.stop_requested}
 
 
-@dataclass(frozen=True)
+@dataclass
 class Difference:
     """Where the recording and the computation part."""
 
@@ -41,6 +42,8 @@ class Difference:
     inputs: str
     recorded: str
     recomputed: str
+    agreed_before: int = 0  # calls since the last start or compared memory, all of which agreed
+    causes: list[str] = field(default_factory=list)  # which input, which stage: see causes.py
 
 
 @dataclass
@@ -91,10 +94,22 @@ def replay(
             continue
         if suffix in types:
             handlers[suffix](event, message)
+        elif suffix in _TRACES:
+            run.trace(suffix, event)
         elif message is not None:
             run.picture(message)
     run.resolve_sent(at_end=True)
     return run.report
+
+
+@dataclass(frozen=True)
+class _Traced:
+    """The frame whose command was the first to differ; what was published of it follows in the recording."""
+
+    utime: int
+    measurement: measurement_t | None
+    values: dict[str, object]
+    difference: Difference
 
 
 class _Run:
@@ -105,11 +120,13 @@ class _Run:
         self._config: tuple[bytes, CoordinatorFile | None] = (b"", None)
         self._session = 0
         self._next = -1  # sequence of the call that must come
-        self._sees = False  # what the vision remember is known
+        self._sees = False  # what the vision remembers is known
         self._pictures: OrderedDict[int, image_t] = OrderedDict()
         self._held: deque[tuple[object, ...]] = deque(maxlen=_HELD_BACK)
         self._pending: deque[tuple[int, Event, sent_t]] = deque()
         self._frames_since_start = 0
+        self._agreed = 0
+        self._traced: _Traced | None = None
 
     def start(self, event: Event, message: box_start_t) -> None:
         if self._core is not None and (message.session, message.sequence) == (self._session, self._next):
@@ -133,7 +150,7 @@ class _Run:
             self._core = None
             return
         self._sees = True
-        self._frames_since_start = 0
+        self._frames_since_start = self._agreed = 0
         self._held.clear()
         self._held.append(messages.held_key(self._core.held))
 
@@ -158,7 +175,15 @@ class _Run:
         else:
             self._other_call(event, message)
         recorded, held = messages.held_of(message.held), self._core.held
-        self._expect(event, message, "what is held", _held_text(recorded), _held_text(held))
+        self._expect(
+            event,
+            message,
+            "what is held",
+            _held_text(recorded),
+            _held_text(held),
+            lambda: causes.held_cause(recorded, held),
+        )
+        self._agreed += 1
         self._held.append(messages.held_key(held))
         self.resolve_sent(at_end=False)
 
@@ -176,7 +201,9 @@ class _Run:
             was = _answer_text(core.Status(message.status), core.Reason(message.reason), recorded)
             inputs = f"sent at {message.now_us} us, missing: {core.Reason(message.missing).name}"
             if was != (now := _answer_text(status, reason, command)):
-                self._differs(event, "a command that was sent", inputs, was, now)
+                parts = (core.Status(message.status), core.Reason(message.reason), recorded)
+                cause = causes.answer_cause(parts, (status, reason, command))
+                self._differs(event, "a command that was sent", inputs, was, now, cause)
         self._pending.append((self._next + _HELD_AHEAD, event, message))
 
     def picture(self, message: image_t) -> None:
@@ -212,7 +239,7 @@ class _Run:
                 event, "what the core remembers", f"before call {self._next}", *_first_byte(message, decisions)
             )
         if self._from_pixels and self._sees and vision != bytes(message.vision):
-            self._differs(event, "what the vision remember", f"before call {self._next}", "", "")
+            self._differs(event, "what the vision remembers", f"before call {self._next}", "", "")
         if self._from_pixels and not self._sees:  # from here on it is known
             self._core.memory = (decisions, bytes(message.vision))
             self._sees = True
@@ -233,6 +260,7 @@ class _Run:
                     _inputs(message),
                     _observation_text(recorded_observation),
                     _observation_text(result.observation),
+                    causes.observation_cause(recorded_observation, result.observation),
                 )
         else:
             result = self._core.step_observation(
@@ -240,7 +268,40 @@ class _Run:
             )
         command = core.Twist(linear_mps=message.command_linear_mps, angular_radps=message.command_angular_radps)
         was = _answer_text(core.Status(message.status), core.Reason(message.reason), command)
-        self._expect(event, message, "the command", was, _answer_text(result.status, result.reason, result.command))
+        now = _answer_text(result.status, result.reason, result.command)
+        parts = (core.Status(message.status), core.Reason(message.reason), command)
+        first = self.report.first_difference is None
+        self._expect(
+            event,
+            message,
+            "the command",
+            was,
+            now,
+            lambda: causes.answer_cause(parts, (result.status, result.reason, result.command)),
+        )
+        if first and self.report.first_difference is not None:
+            measurement = message.measurement[0] if message.measurement else None
+            difference = self.report.first_difference
+            self._traced = _Traced(message.utime, measurement, step_values(result), difference)
+
+    def trace(self, suffix: str, event: Event) -> None:
+        """What was published of the frame that differs first: an observation, a status."""
+        traced = self._traced
+        if traced is None:
+            return
+        try:
+            message = _TRACES[suffix].decode(event.data)
+        except Exception:  # lcm-gen's decoders raise whatever the bytes lead to
+            return
+        if message.utime != traced.utime or message.reason == core.Reason.no_frame.value:
+            return
+        if suffix == "_OBSERVATION":
+            cause = causes.input_cause(message, traced.measurement)
+            if cause is not None:
+                traced.difference.causes.append(cause)
+            return
+        traced.difference.causes.append(causes.stage_cause(message, traced.values))
+        self._traced = None  # the status comes last
 
     def _see(self, message: step_t) -> StepResult | None:
         """The frame through the vision; None where its pixels are not there, or the vision's memory is not known."""
@@ -266,16 +327,30 @@ class _Run:
             taken = self._core.set_ego_motion(message.utime, twist)
         else:
             taken = self._core.set_leader_intent(message.utime, twist)
-        self._expect(event, message, "whether it was taken", str(bool(message.taken)), str(taken))
+        was = bool(message.taken)
+        verb = {True: "taken", False: "refused"}
+        self._expect(
+            event,
+            message,
+            "whether it was taken",
+            str(was),
+            str(taken),
+            lambda: f"it was {verb[was]} then, and is {verb[taken]} now",
+        )
 
-    def _expect(self, event: Event, message: step_t, what: str, recorded: str, recomputed: str) -> None:
+    def _expect(
+        self, event: Event, message: step_t, what: str, recorded: str, recomputed: str, cause: Callable[[], str]
+    ) -> None:
         if recorded != recomputed:
-            self._differs(event, what, _inputs(message), recorded, recomputed)
+            self._differs(event, what, _inputs(message), recorded, recomputed, cause())
 
-    def _differs(self, event: Event, what: str, inputs: str, recorded: str, recomputed: str) -> None:
+    def _differs(
+        self, event: Event, what: str, inputs: str, recorded: str, recomputed: str, cause: str | None = None
+    ) -> None:
         self.report.differences += 1
         if self.report.first_difference is None:
-            self.report.first_difference = Difference(event, what, inputs, recorded, recomputed)
+            found = [] if cause is None else [cause]
+            self.report.first_difference = Difference(event, what, inputs, recorded, recomputed, self._agreed, found)
 
 
 def _inputs(message: step_t) -> str:

@@ -1,5 +1,5 @@
-"""The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``, and for a
-robot that runs ``stop | resume | setpoint | key | doctor``."""
+"""The command line: ``pilotfish experiment | render | plot | replay | report | export | learn-body | tune | fuzzy |
+demo``, and for a robot that runs ``stop | resume | setpoint | key | doctor``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pilotfish.cli import console
 from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
+from pilotfish.cli.export import export
 from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.leader import app as leader_app
 from pilotfish.cli.learn_body import learn_body
@@ -21,6 +22,7 @@ from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
 from pilotfish.cli.tags import tags
+from pilotfish.cli.report import report
 from pilotfish.cli.tune import tune
 
 app = typer.Typer(
@@ -33,6 +35,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
+    app.command()(command)
+for command in (report, export):
     app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")

@@ -3,59 +3,121 @@
 from __future__ import annotations
 
 import math
+from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
-import yaml
 
-from pilotfish.cli.console import console, friendly_errors
-from pilotfish.cli.options import between
-from pilotfish.errors import ConfigError, PilotfishError
-from pilotfish.files import read_text
+from pilotfish.cli.console import byte_progress, console, friendly_errors
+from pilotfish.cli.options import between, writable_folder
+from pilotfish.errors import ConfigError, RecordingError
+
+_LOG_SUFFIXES = (".log", ".lcmlog", ".lcm")
+_SYNC = b"\xed\xa1\xda\x01"  # a file of LCM events begins so
+
+
+class PictureFormat(str, Enum):
+    """What a picture is written as."""
+
+    png = "png"
+    svg = "svg"
+    pdf = "pdf"
 
 
 def plot(
     file: Annotated[
         Path,
-        typer.Argument(exists=True, dir_okay=False, help="A recording (.csv) or fuzzy sets and rules (.yaml)."),
+        typer.Argument(
+            exists=True,
+            help="A black box (a file, or the folder of its ring), a file of lcm-logger, a recording of the simulator "
+            "(.csv), or fuzzy sets and rules (.yaml).",
+        ),
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", file_okay=False, help="Folder for the pictures; default: beside FILE."),
+        typer.Option(
+            "--out", file_okay=False, callback=writable_folder, help="Folder for the pictures; default: beside FILE."
+        ),
     ] = None,
     robot: Annotated[
         str | None, typer.Option(help="Whose run, if the recording holds several; default: every robot's.")
     ] = None,
+    picture_format: Annotated[PictureFormat, typer.Option("--format", help="Of the pictures.")] = PictureFormat.png,
+    dark: Annotated[
+        bool, typer.Option("--dark", help="Light on dark; for black boxes and files of lcm-logger.")
+    ] = False,
     distance_setpoint_m: Annotated[
         float | None,
-        typer.Option(
-            callback=between(0.0, 1e3, "m"), help="d_p, if the recording does not say it (pilotfish-sim's do not)."
-        ),
+        typer.Option(callback=between(0.0, 1e3, "m"), help="d_p, if a .csv does not say it (pilotfish-sim's do not)."),
     ] = None,
     bearing_setpoint_deg: Annotated[
         float, typer.Option(callback=between(-360.0, 360.0, "degrees"), help="theta_pd, likewise.")
     ] = 0.0,
 ) -> None:
-    """Draw a recording (distance error, paths) or a fuzzy controller (sets, control surface).
+    """Draw a recorded run (errors, commands, latency, status; the leader from above), or a fuzzy controller (sets,
+    control surface).
 
     \b
     Examples
+      pilotfish plot /var/lib/pilotfish --out pictures
+      pilotfish plot robot1-1764000000000000-12.lcmlog --format svg --dark
       pilotfish plot out/line_paper.csv
       pilotfish plot chain.csv --robot robot2 --distance-setpoint-m 1.1
       pilotfish plot data/fuzzy/coordination.yaml --out out
     """
     with friendly_errors():
-        draw = {".csv": _draw_recording, ".yaml": _draw_fuzzy, ".yml": _draw_fuzzy}.get(file.suffix)
-        if draw is None:
-            raise typer.BadParameter(f"'{file.suffix}' is neither .csv (a recording) nor .yaml (a fuzzy controller)")
-        folder = out or file.parent
-        for written in draw(file, folder, robot, distance_setpoint_m, bearing_setpoint_deg):
-            console.print(f"wrote {written}", soft_wrap=True)
+        suffix = f".{picture_format.value}"
+        if _is_log(file):
+            written = _draw_log(file, out or file.resolve().parent, robot, suffix, dark)
+        elif dark:
+            raise typer.BadParameter(f"--dark is for black boxes and files of lcm-logger, and {file} is neither")
+        elif file.suffix == ".csv":
+            written = _draw_recording(
+                file, out or file.parent, suffix, robot, distance_setpoint_m, bearing_setpoint_deg
+            )
+        elif file.suffix in (".yaml", ".yml"):
+            written = _draw_fuzzy(file, out or file.parent, suffix)
+        else:
+            raise typer.BadParameter(
+                f"'{file.suffix}' is neither .csv (a recording of the simulator) nor .yaml (a fuzzy controller), and "
+                f"{file} does not begin as a black box or a file of lcm-logger does"
+            )
+        for picture in written:
+            console.print(f"wrote {picture}", soft_wrap=True)
+
+
+def _is_log(file: Path) -> bool:
+    if file.is_dir() or file.suffix in _LOG_SUFFIXES:
+        return True
+    if not file.is_file() or file.suffix in (".csv", ".yaml", ".yml"):
+        return False
+    with file.open("rb") as stream:
+        return stream.read(len(_SYNC)) == _SYNC
+
+
+def _draw_log(file: Path, out: Path, robot: str | None, suffix: str, dark: bool) -> list[Path]:
+    from pilotfish.logs import read_run
+    from pilotfish.plots.relative_view import draw_relative_view
+    from pilotfish.plots.run_overview import draw_run_overview
+    from pilotfish.plots.style import DARK, LIGHT, save
+
+    with byte_progress("reading") as step:
+        run = read_run(file, robot, step)
+    if not run.coordinators:
+        raise RecordingError(f"{file}: no frame of a coordinator in it; channels in it: {', '.join(run.channels)}")
+    theme, name = DARK if dark else LIGHT, file.resolve().name if file.is_dir() else file.stem
+    written = []
+    for one in run.coordinators:
+        stem = name if len(run.coordinators) == 1 else f"{name}_{one.name}"
+        overview = draw_run_overview({one.name: one}, f"{name}: {one.name}", theme)
+        view = draw_relative_view({one.name: one}, f"{name}: from above, relative to {one.name}", theme)
+        written += [save(overview, out / f"{stem}_run{suffix}"), save(view, out / f"{stem}_relative{suffix}")]
+    return written
 
 
 def _draw_recording(
-    file: Path, out: Path, robot: str | None, distance_m: float | None, bearing_deg: float
+    file: Path, out: Path, suffix: str, robot: str | None, distance_m: float | None, bearing_deg: float
 ) -> list[Path]:
     from pilotfish.plots.distance_error import draw_distance_error
     from pilotfish.plots.paths import draw_paths
@@ -68,15 +130,15 @@ def _draw_recording(
         runs = [run.with_meta(**setpoint) for run in runs]
     if not all(math.isfinite(run.meta.distance_setpoint_m) for run in runs):
         raise typer.BadParameter(f"{file} does not say what distance was to be kept: add --distance-setpoint-m")
-    written = [save(draw_paths(runs, f"{file.stem}: from above"), out / f"{file.stem}_paths.png")]
+    written = [save(draw_paths(runs, f"{file.stem}: from above"), out / f"{file.stem}_paths{suffix}")]
     for run in runs:
         stem = file.stem if len(runs) == 1 else f"{file.stem}_{run.meta.robot}"
         title = f"{stem}: distance error"
-        written.append(save(draw_distance_error(run, title), out / f"{stem}_distance_error.png"))
+        written.append(save(draw_distance_error(run, title), out / f"{stem}_distance_error{suffix}"))
     return written
 
 
-def _draw_fuzzy(file: Path, out: Path, *_: object) -> list[Path]:
+def _draw_fuzzy(file: Path, out: Path, suffix: str) -> list[Path]:
     from pilotfish import fuzzy
     from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
     from pilotfish.plots.style import save
@@ -84,20 +146,8 @@ def _draw_fuzzy(file: Path, out: Path, *_: object) -> list[Path]:
 
     try:
         controller = fuzzy.load_controller(file)
-    except ValueError as error:
-        other = _other_kind(file)
-        problem = f"is {other}, not a fuzzy controller; this draws recordings (.csv) and fuzzy controllers (.yaml)"
-        raise ConfigError(f"{file} {problem}" if other else f"{file}: {error}") from error
+    except ValueError as error:  # says what the file looks like, if it is of another kind
+        raise ConfigError(f"{file}: no fuzzy controller: {error}") from error
     sets = draw_fuzzy_sets(controller, f"Membership functions of '{controller.name}'")
     surface = draw_surface(controller, f"Control surface of '{controller.name}'")
-    return [save(sets, out / f"{file.stem}_sets.png"), save(surface, out / f"{file.stem}_surface.png")]
-
-
-def _other_kind(file: Path) -> str | None:
-    """What a YAML file is that is no fuzzy controller, by the keys that every file of its kind has."""
-    try:
-        keys = set(yaml.safe_load(read_text(file)))
-    except (yaml.YAMLError, PilotfishError, TypeError, RecursionError):
-        return None
-    kinds = {"robots": "a scenario", "camera": "a coordinator's configuration", "tags": "a leader's body"}
-    return next((kind for key, kind in kinds.items() if key in keys), None)
+    return [save(sets, out / f"{file.stem}_sets{suffix}"), save(surface, out / f"{file.stem}_surface{suffix}")]

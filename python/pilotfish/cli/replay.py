@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from pilotfish.cli.console import console, friendly_errors, progress, warn
+from pilotfish.cli.console import byte_progress, console, friendly_errors, warn
 from pilotfish.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -38,13 +38,16 @@ def replay(
       pilotfish replay robot1-1764000000000000-12.lcmlog --from-pixels
     """
     from pilotfish import blackbox
-    from pilotfish.black_box import events_in
     from pilotfish.black_box import replay as compute
+    from pilotfish.black_box.log import files_in
+    from pilotfish.logs.sources import events_of, size_of
 
     with friendly_errors():
         try:
-            with progress("replaying") as step:
-                report = compute(events_in(log, robot), from_pixels=from_pixels, on_progress=step)
+            files = files_in(log, robot)
+            with byte_progress("replaying") as step:
+                events = events_of(files, 0, size_of(files), step)
+                report = compute(events, from_pixels=from_pixels)
         except ValueError as error:  # of the bindings; the recorded configuration is not one of this program
             raise ConfigError(f"{log}: {error}") from error
         console.print(_table(report, from_pixels))
@@ -95,6 +98,13 @@ def _show_first(report: ReplayReport) -> None:
         return
     console.print(f"first difference: {first.what}", markup=False)
     console.print(f"  where       {first.event.file}, byte {first.event.offset}", soft_wrap=True, markup=False)
+    for at, cause in enumerate(first.causes):
+        console.print(f"  {'differs' if at == 0 else '':<10}  {cause}", soft_wrap=True, markup=False)
+    if first.agreed_before:
+        agreed = f"{first.agreed_before} calls before it, since the last starting point, agree in every bit"
+        console.print(f"  before      {agreed}", soft_wrap=True, markup=False)
+    elif first.what in ("the command", "what is held"):
+        console.print("  before      nothing: it is the first call behind a starting point", markup=False)
     console.print(f"  inputs      {first.inputs}", soft_wrap=True, markup=False)
     console.print(f"  recorded    {first.recorded}", soft_wrap=True, markup=False)
     console.print(f"  recomputed  {first.recomputed}", soft_wrap=True, markup=False)

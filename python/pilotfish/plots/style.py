@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
@@ -25,6 +26,23 @@ LEADER, FOLLOWER, SETPOINT, STANDING = VERMILLION, BLUE, "#555555", GREEN
 TERMS = (BLUE, SKY, GREEN, BLACK, YELLOW, ORANGE, VERMILLION, PURPLE)
 
 DPI = 150
+# What stands in an SVG for the colours of the page around it; see inline_svg.py.
+PAGE_INK, PAGE_GRID = "#0a0b0c", "#0d0e0f"
+
+
+@dataclass(frozen=True)
+class Theme:
+    """What is drawn on what."""
+
+    ink: str  # text, axes, zero lines
+    ground: str
+    grid: str
+    lines: tuple[str, ...]  # one after the other, for curves that are compared
+
+
+LIGHT = Theme(BLACK, "#FFFFFF", "#DDDDDD", (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY))
+DARK = Theme("#E6E6E6", "#16181D", "#3A3D45", (SKY, "#FF8A4C", "#3DDC97", PURPLE, ORANGE, YELLOW))
+ON_PAGE = Theme(PAGE_INK, "none", PAGE_GRID, LIGHT.lines)
 _SETTINGS = {
     "font.size": 10,
     "axes.titlesize": 11,
@@ -33,7 +51,6 @@ _SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
-    "grid.color": "#DDDDDD",
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "lines.linewidth": 1.6,
@@ -42,9 +59,12 @@ _SETTINGS = {
 
 
 @contextmanager
-def style() -> Iterator[None]:
+def style(theme: Theme = LIGHT) -> Iterator[None]:
     """Draw inside ``with style():``; the caller's own settings of matplotlib are left alone."""
-    with mpl.rc_context(_SETTINGS):
+    inked = ("text.color", "axes.labelcolor", "axes.edgecolor", "axes.titlecolor", "xtick.color", "ytick.color")
+    grounds = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
+    colours = dict.fromkeys(inked, theme.ink) | dict.fromkeys(grounds, theme.ground) | {"grid.color": theme.grid}
+    with mpl.rc_context(_SETTINGS | colours):
         yield
 
 
@@ -52,5 +72,6 @@ def save(figure: Figure, file: str | Path) -> Path:
     """Writes the figure (the suffix says the format) and returns where."""
     file = Path(file)
     file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, dpi=DPI)
+    with mpl.rc_context({"savefig.facecolor": "auto"}):  # the figure's own
+        figure.savefig(file, dpi=DPI)
     return file

@@ -1,0 +1,113 @@
+"""``pilotfish export``: a recorded run in other formats."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pilotfish.cli.console import OnProgress, byte_progress, check_writable, console, friendly_errors
+
+
+class ExportFormat(str, Enum):
+    """What a run can be written as."""
+
+    mcap = "mcap"
+    csv = "csv"
+    parquet = "parquet"
+    mp4 = "mp4"
+
+
+class TableName(str, Enum):
+    """The tables of a run; see docs/recordings.md."""
+
+    frames = "frames"
+    tags = "tags"
+    commands = "commands"
+    wheels = "wheels"
+    poses = "poses"
+    odometry = "odometry"
+    intents = "intents"
+    events = "events"
+
+
+def export(
+    log: Annotated[
+        Path,
+        typer.Argument(exists=True, help="A black box (a file, or the folder of its ring) or a file of lcm-logger."),
+    ],
+    out: Annotated[Path, typer.Option("--out", help="The file to write.")],
+    to: Annotated[
+        ExportFormat | None, typer.Option("--to", help="The format; default: what the suffix of --out says.")
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help="Only this robot's; default: all (MP4 shows one camera).")] = None,
+    table: Annotated[
+        TableName, typer.Option("--table", help="For CSV and Parquet, which are one table a file.")
+    ] = TableName.frames,
+    images: Annotated[bool, typer.Option("--images/--no-images", help="For MCAP: with the images, or without.")] = True,
+    overlay: Annotated[
+        bool, typer.Option("--overlay/--no-overlay", help="For MP4: with tags, distance, bearing and status drawn.")
+    ] = True,
+) -> None:
+    """Write a recorded run as MCAP (Foxglove), CSV, Parquet or MP4.
+
+    Numbers come back bit for bit. Hours of a recording need no more memory than minutes (MP4: some 100 MB an hour).
+    MCAP, Parquet and MP4 need: pip install 'pilotfish\\[export]'
+
+    \b
+    Examples
+      pilotfish export /var/lib/pilotfish --to mcap --out run.mcap
+      pilotfish export robot1-1764000000000000-12.lcmlog --out run.parquet
+      pilotfish export run.lcmlog --to csv --table commands --out commands.csv
+      pilotfish export run.lcmlog --to mp4 --robot robot1 --out run.mp4
+    """
+    with friendly_errors():
+        kind = _kind(to, out)
+        check_writable(out)
+        if out.exists() and any(out.samefile(file) for file in _files_of(log)):
+            raise typer.BadParameter(f"--out {out} is the recording itself")
+        with byte_progress("exporting") as step:
+            if kind is ExportFormat.mp4:
+                count = _export_mp4(log, out, robot, overlay, step)
+            else:
+                count = _export(kind, log, out, robot, table.value, images, step)
+        what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames"}[kind.value]
+        console.print(f"wrote {out}: {count} {what}", soft_wrap=True)
+
+
+def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:
+    if to is not None:
+        return to
+    try:
+        return ExportFormat(out.suffix.removeprefix(".").lower())
+    except ValueError:
+        formats = ", ".join(one.value for one in ExportFormat)
+        raise typer.BadParameter(f"--out {out}: its suffix is no format ({formats}); say it with --to") from None
+
+
+def _files_of(log: Path) -> list[Path]:
+    return [log] if log.is_file() else [path for path in log.iterdir() if path.is_file()]
+
+
+def _export(
+    kind: ExportFormat, log: Path, out: Path, robot: str | None, table: str, images: bool, step: OnProgress
+) -> int:
+    if kind is ExportFormat.mcap:
+        from pilotfish.logs.export.to_mcap import export_mcap
+
+        return export_mcap(log, out, robot=robot, images=images, on_progress=step)
+    if kind is ExportFormat.parquet:
+        from pilotfish.logs.export.to_parquet import export_parquet
+
+        return export_parquet(log, out, table=table, robot=robot, on_progress=step)
+    from pilotfish.logs.export.to_csv import export_csv
+
+    return export_csv(log, out, table=table, robot=robot, on_progress=step)
+
+
+def _export_mp4(log: Path, out: Path, robot: str | None, overlay: bool, step: OnProgress) -> int:
+    from pilotfish.logs.export.to_mp4 import export_mp4
+
+    return export_mp4(log, out, robot=robot, overlay=overlay, on_progress=step)

@@ -1,0 +1,86 @@
+"""``pilotfish report``: recorded runs as one page of HTML."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pilotfish.cli.console import byte_progress, check_writable, console, friendly_errors, warn
+from pilotfish.errors import RecordingError
+
+if TYPE_CHECKING:
+    from pilotfish.logs import Run
+    from pilotfish.logs.report import ReportedRun
+
+
+def report(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            exists=True,
+            help="Black boxes (files, or folders of rings) or files of lcm-logger; several are compared.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option("--out", help="The page to write.")] = Path("report.html"),
+    robot: Annotated[str | None, typer.Option(help="Whose run, if several robots are recorded; default: all.")] = None,
+) -> None:
+    """Sum up recorded runs on one page of HTML that needs no network: figures, tables, settings, events.
+
+    With several runs also what differs between them: results side by side, curves in the same axes, settings key by
+    key, versions of the program.
+
+    \b
+    Examples
+      pilotfish report /var/lib/pilotfish --out monday.html
+      pilotfish report before.lcmlog after.lcmlog --out comparison.html
+      pilotfish report /var/lib/pilotfish --robot robot2 --out robot2.html
+    """
+    from pilotfish.logs import read_run
+    from pilotfish.logs.export.output import written_whole
+    from pilotfish.logs.report import report_html
+
+    with friendly_errors():
+        check_writable(out)
+        recordings = []
+        for path in runs:
+            with byte_progress(f"reading {path.name or path}") as step:
+                recordings.append(read_run(path, robot, step))
+        chosen = _named(recordings)
+        text = report_html(chosen)
+        with written_whole(out) as partial:
+            partial.write_text(text, encoding="utf-8")
+        for recording in recordings:
+            if recording.damage:
+                warn(f"{recording.path}: {len(recording.damage)} damaged places; the page names them")
+        console.print(f"wrote {out} ({len(text) / 1e6:.1f} MB)", soft_wrap=True)
+
+
+def _named(recordings: list[Run]) -> list[ReportedRun]:
+    """Every robot of every recording, with a name of its own."""
+    from pilotfish.logs.report import ReportedRun
+
+    for run in recordings:
+        if not run.coordinators:
+            raise RecordingError(
+                f"{run.path}: no frame of a coordinator in it; channels in it: {', '.join(run.channels)}"
+            )
+    labels = _labels([run.path for run in recordings])
+    chosen = []
+    for label, run in zip(labels, recordings, strict=True):
+        for robot in run.coordinators:
+            name = f"{label}: {robot.name}" if len(run.coordinators) > 1 else label
+            chosen.append(ReportedRun(name, run, robot))
+    return chosen
+
+
+def _labels(paths: list[Path]) -> list[str]:
+    """The shortest ends of the paths that differ; numbered where the same is named twice."""
+    parts = [path.resolve().parts for path in paths]
+    shortest = 1 if len(paths) > 1 else 2  # a ring's folder alone is often called "box"
+    for length in range(shortest, max(map(len, parts)) + 1):
+        labels = ["/".join(own[-length:]) for own in parts]
+        if len(set(labels)) == len(labels):
+            return labels
+    return [f"{label} ({at + 1})" for at, label in enumerate(labels)]

@@ -1,0 +1,143 @@
+"""The page, section by section."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from pilotfish.logs.report.look import CSS
+from pilotfish.logs.report.tables import (
+    counter_table,
+    difference_table,
+    event_table,
+    settings_texts,
+    stage_table,
+    summary_table,
+)
+from pilotfish.logs.run import RobotRun, Run
+from pilotfish.logs.settings_keys import differences
+from pilotfish.logs.summary import TITLES, shown, summarize
+from pilotfish.plots.inline_svg import inline_svg
+from pilotfish.plots.relative_view import draw_relative_view
+from pilotfish.plots.run_overview import draw_run_overview
+from pilotfish.plots.style import ON_PAGE
+
+_TILES = ("duration_s", "frames", "followed_share", "rms_distance_error_mm", "rms_bearing_error_deg", "latency_p99_ms")
+# Nothing may be loaded, whatever a recording has put into the page.
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+
+
+@dataclass(frozen=True)
+class ReportedRun:
+    """One robot of one recording; ``name`` tells it from the others on the page. It has at least one frame."""
+
+    name: str
+    recording: Run
+    robot: RobotRun
+
+
+def report_html(runs: Sequence[ReportedRun]) -> str:
+    """The whole page as text."""
+    robots = {run.name: run.robot for run in runs}
+    title = " and ".join(robots) if len(runs) <= 2 else f"{len(runs)} runs"
+    sections = [
+        ("Summary", _summary(runs)),
+        ("Figures", _figures(robots)),
+        *([("What differs", _differences(robots))] if len(runs) > 1 else []),
+        ("Events", _each(robots, lambda robot: event_table(robot.events) if robot.events else _nothing("no event"))),
+        ("Timings", _each(robots, _timings)),
+        ("Counters", _counters(robots)),
+        ("Settings", _each(robots, _settings)),
+    ]
+    links = "".join(f'<a href="#s{at}">{escape(name)}</a>' for at, (name, _) in enumerate(sections))
+    body = "\n".join(f'<h2 id="s{at}">{escape(name)}</h2>\n{text}' for at, (name, text) in enumerate(sections))
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f'<title>{escape(title)}: Pilotfish report</title><link rel="icon" href="data:,">\n'
+        f"<style>{CSS}</style></head>\n"
+        f"<body><h1>{escape(title)}</h1>\n<nav>{links}</nav>\n{body}\n</body></html>\n"
+    )
+
+
+def _summary(runs: Sequence[ReportedRun]) -> str:
+    summaries = {run.name: summarize(run.robot) for run in runs}
+    parts = []
+    if len(runs) == 1:
+        summary = next(iter(summaries.values()))
+        tiles = ""
+        for name in _TILES:
+            label, unit, _ = TITLES[name]
+            value = escape(f"{shown(name, getattr(summary, name))} {unit}".strip())
+            tiles += f'<div class="tile"><b>{value}</b>{escape(label)}</div>'
+        parts.append(f'<div class="tiles">{tiles}</div>')
+    parts.append(summary_table(summaries))
+    parts.append(
+        '<p class="dim">Errors are those that the coordinator measured by its own camera; what the camera cannot see '
+        "(a wrong calibration, a wrong mounting) is not in them.</p>"
+    )
+    for run in runs:
+        parts += [f'<p class="warning">{escape(run.name)}: {escape(text)}</p>' for text in _troubles(run.recording)]
+    return "\n".join(parts)
+
+
+def _troubles(run: Run) -> list[str]:
+    troubles = [
+        f"{damage.file.name}: {damage.size} bytes that are no events, "
+        + ("it ends in the middle of an event" if damage.at_end else f"at byte {damage.offset}")
+        for damage in run.damage[:10]
+    ]
+    if len(run.damage) > 10:
+        troubles.append(f"{len(run.damage) - 10} more damaged places")
+    if run.unreadable:
+        troubles.append(f"{run.unreadable} events that are no messages of this version of Pilotfish")
+    return troubles
+
+
+def _figures(robots: dict[str, RobotRun]) -> str:
+    overview = inline_svg(draw_run_overview(robots, theme=ON_PAGE), "overview")
+    view = inline_svg(draw_relative_view(robots, theme=ON_PAGE), "view")
+    return (
+        f"<figure>{overview}<figcaption>Over time. Lines are broken where nothing was measured.</figcaption></figure>\n"
+        f"<figure>{view}<figcaption>The leader as seen from above, relative to the robot.</figcaption></figure>"
+    )
+
+
+def _differences(robots: dict[str, RobotRun]) -> str:
+    known = {name: robot.last_settings for name, robot in robots.items() if robot.last_settings is not None}
+    unknown = [name for name in robots if name not in known]
+    parts = []
+    if unknown:
+        parts.append(_nothing(f"not recorded (only a black box records settings): {', '.join(unknown)}"))
+    if len(known) > 1:
+        rows = differences(known)
+        same = "the same program, and the same value of every key"
+        parts.append(difference_table(list(known), rows) if rows else _nothing(same))
+    return "\n".join(parts)
+
+
+def _timings(robot: RobotRun) -> str:
+    return stage_table(robot.stages) if robot.stages else _nothing("no status with the stages' times was recorded")
+
+
+def _counters(robots: dict[str, RobotRun]) -> str:
+    counters = {name: robot.counters for name, robot in robots.items()}
+    return counter_table(counters) if any(counters.values()) else _nothing("nothing was refused, nothing was lost")
+
+
+def _settings(robot: RobotRun) -> str:
+    if not robot.settings:
+        return _nothing("not recorded: only a black box records settings")
+    return "\n".join(settings_texts(settings) for settings in robot.settings)
+
+
+def _each(robots: dict[str, RobotRun], section: Callable[[RobotRun], str]) -> str:
+    if len(robots) == 1:
+        return section(next(iter(robots.values())))
+    return "\n".join(f"<h3>{escape(name)}</h3>\n{section(robot)}" for name, robot in robots.items())
+
+
+def _nothing(text: str) -> str:
+    return f'<p class="dim">{escape(text)}</p>'

@@ -1,0 +1,72 @@
+"""Tables of the page. Whatever comes out of a recording is escaped here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+
+from pilotfish.logs.notes import STAGE_LIMITS_MS, Settings, Stage
+from pilotfish.logs.run import RunEvent
+from pilotfish.logs.summary import TITLES, Summary, shown
+
+MOST_EVENTS = 300
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = True) -> str:
+    """Texts, the first column's to the left, the others' to the right if they are ``numbers``."""
+    kind, first = ("number", "label") if numbers else ("word", "word")
+    tops = "".join(f'<th class="{"word" if at == 0 else kind}">{escape(name)}</th>' for at, name in enumerate(head))
+    body = "".join(
+        "<tr>"
+        + "".join(f'<td class="{first if at == 0 else kind}">{escape(cell)}</td>' for at, cell in enumerate(row))
+        + "</tr>\n"
+        for row in rows
+    )
+    return f'<div class="wide"><table><thead><tr>{tops}</tr></thead><tbody>\n{body}</tbody></table></div>'
+
+
+def summary_table(summaries: Mapping[str, Summary]) -> str:
+    """One line a figure, one column a run."""
+    rows = []
+    for name, (title, unit, _) in TITLES.items():
+        label = f"{title} [{unit}]" if unit else title
+        rows.append([label, *(shown(name, getattr(summary, name)) for summary in summaries.values())])
+    return table(["", *summaries], rows)
+
+
+def stage_table(stages: Mapping[str, Stage]) -> str:
+    """How often each stage took how long."""
+    head = ["stage [ms]", *(f"< {limit:g}" for limit in STAGE_LIMITS_MS), f"≥ {STAGE_LIMITS_MS[-1]:g}", "longest"]
+    return table(head, [[name, *map(str, stage.counts), f"{stage.max_ms:.2f}"] for name, stage in stages.items()])
+
+
+def counter_table(counters: Mapping[str, Mapping[str, int]]) -> str:
+    """By run; what was not counted there is nothing."""
+    names = sorted({name for own in counters.values() for name in own})
+    return table(
+        ["counter", *counters], [[name, *(str(own.get(name, 0)) for own in counters.values())] for name in names]
+    )
+
+
+def event_table(events: Sequence[RunEvent]) -> str:
+    """The first of them, and how many more there are."""
+    rows = [[f"{event.t_s:.2f}", event.kind, event.text] for event in events[:MOST_EVENTS]]
+    more = len(events) - len(rows)
+    note = f'<p class="dim">… and {more} more, in <code>pilotfish export --to csv --table events</code></p>'
+    return table(["t [s]", "event", "what"], rows, numbers=False) + (note if more else "")
+
+
+def difference_table(names: Sequence[str], rows: Mapping[str, Sequence[str | None]]) -> str:
+    """Keys on which the runs do not agree."""
+    shown_rows = [[key, *("–" if value is None else value for value in values)] for key, values in rows.items()]  # noqa: RUF001
+    return table(["key", *names], shown_rows, numbers=False)
+
+
+def settings_texts(settings: Settings) -> str:
+    """The recorded files, folded."""
+    said = table(["", ""], [["program", settings.program], ["command line", settings.command_line]], numbers=False)
+    files = ""
+    for file in settings.files:
+        summary = f"<summary>{escape(file.role)}: {escape(file.name)}</summary>"
+        files += f"<details>{summary}<pre>{escape(file.text)}</pre></details>\n"
+    return said + files

@@ -1,0 +1,90 @@
+"""A whole recording as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pilotfish.black_box.log import Damage
+from pilotfish.logs.columns import TABLES, Column
+from pilotfish.logs.notes import Settings, Stage
+
+
+@dataclass(frozen=True)
+class Table:
+    """Equally long columns. ``table["distance_m"]`` is an array (N,): float64 with NaN, int64 with -1 or bool; a column
+    of words is int16 codes (``words`` spells them), one of text an object array."""
+
+    columns: tuple[Column, ...]
+    arrays: Mapping[str, NDArray[Any]]
+
+    def __len__(self) -> int:
+        return len(next(iter(self.arrays.values())))
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.arrays[name]
+
+    def words(self, name: str) -> NDArray[np.str_]:
+        """A column of words, spelled; shape (N,)."""
+        column = next(column for column in self.columns if column.name == name)
+        codes, places = np.unique(self.arrays[name], return_inverse=True)
+        return np.array([column.word(int(code)) for code in codes], dtype=np.str_)[places]
+
+
+@dataclass(frozen=True)
+class RunEvent:
+    """Something that happened; ``kind``: start, status, setpoint, stop, resume, gap, damage, counter, configuration."""
+
+    t_s: float
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class RobotRun:
+    """What one robot did, as far as it was recorded. ``poses`` and ``intents`` may be all there is (a leader's)."""
+
+    name: str
+    frames: Table
+    tags: Table
+    commands: Table
+    wheels: Table
+    poses: Table
+    odometry: Table
+    intents: Table
+    events: tuple[RunEvent, ...]
+    settings: tuple[Settings, ...]  # of a black box; more than one if it was started with others in between
+    sessions: tuple[int, ...]
+    simulated: bool  # time was a simulator's
+    counters: Mapping[str, int]
+    stages: Mapping[str, Stage]
+
+    @property
+    def last_settings(self) -> Settings | None:
+        """None unless a black box has recorded them."""
+        return self.settings[-1] if self.settings else None
+
+
+@dataclass(frozen=True)
+class Run:
+    """A recording. ``robots``: by name, those with frames first."""
+
+    path: Path
+    robots: Mapping[str, RobotRun]
+    channels: Mapping[str, int]  # events by channel
+    cameras: Mapping[str, int]  # events with images, by whose camera it is
+    damage: tuple[Damage, ...]
+    unreadable: int
+
+    @property
+    def coordinators(self) -> list[RobotRun]:
+        """The robots whose coordinators are in it."""
+        return [robot for robot in self.robots.values() if len(robot.frames)]
+
+
+TABLE_NAMES = tuple(TABLES)

@@ -1,0 +1,107 @@
+"""A recorded run over time: what was to be kept and was not, what was commanded, how late, and what the coordinator was
+doing. Several runs in the same axes, from their beginnings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import cycle
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from pilotfish.logs.run import RobotRun, Table
+from pilotfish.plots.status_colours import STATUS_COLOURS, status_colour
+from pilotfish.plots.style import LIGHT, Theme, style
+from pilotfish.plots.thinned import BREAK_S, thinned
+from pilotfish.recording import FloatArray, wrap_angle
+
+Runs = Mapping[str, RobotRun]  # by what the legend says
+_PANELS: tuple[tuple[str, Callable[[Table], FloatArray]], ...] = (
+    ("distance error\ne = $d_p$ - d [mm]", lambda frames: 1e3 * frames["error_m"]),
+    ("bearing error\nθ - $θ_{pd}$ [°]", lambda frames: np.degrees(bearing_error_rad(frames))),
+    ("command\n[m/s]", lambda frames: frames["command_linear_mps"]),
+    ("command\n[°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
+    ("latency [ms]", lambda frames: 1e3 * frames["latency_s"]),
+)
+
+
+def bearing_error_rad(frames: Table) -> FloatArray:
+    """theta - theta_pd in (-pi, pi], shape (N,); NaN where nothing was measured."""
+    return wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])
+
+
+def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figure:
+    """Panels one below the other, the band of the status on top. Every run has at least one frame."""
+    with style(theme):
+        figure = Figure(figsize=(9.0, 9.2 + 0.25 * len(runs)))
+        band, *panels = figure.subplots(
+            1 + len(_PANELS), 1, sharex=True, height_ratios=(0.25 + 0.25 * len(runs), 3, 2, 2, 2, 2)
+        )
+        _draw_band(band, runs, theme)
+        for axes, (label, values) in zip(panels, _PANELS, strict=True):
+            axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
+            for (name, run), colour in zip(runs.items(), cycle(theme.lines), strict=False):
+                axes.plot(*thinned(_times(run, runs), values(run.frames)), color=colour, linewidth=1.2, label=name)
+            axes.set_ylabel(label)
+        panels[-1].set_ylim(bottom=0.0)
+        panels[-1].set_xlabel("time [s]")
+        times = [_times(run, runs) for run in runs.values() if len(run.frames)]
+        begin_s, end_s = min(t[0] for t in times), max(t[-1] for t in times)
+        panels[-1].set_xlim(begin_s, max(end_s, begin_s + 1e-3))
+        handles = [Patch(color=colour, label=status) for status, colour in _shown(runs).items()]
+        if len(runs) > 1:
+            handles += panels[0].get_legend_handles_labels()[0]
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 5), fontsize=9)
+        figure.align_ylabels(panels)
+        if title:
+            band.set_title(title)
+    return figure
+
+
+def _origin_s(run: RobotRun, runs: Runs) -> float:
+    """Runs that are compared begin together, at their first frames; a single one has the times of its events."""
+    return float(run.frames["t_s"][0]) if len(runs) > 1 else 0.0
+
+
+def _times(run: RobotRun, runs: Runs) -> FloatArray:
+    return run.frames["t_s"] - _origin_s(run, runs)
+
+
+def status_stretches(run: RobotRun) -> list[tuple[float, float, str]]:
+    """(from, to, status): while the same status was sent. From commands, which are sent also when no frame comes."""
+    table = run.commands if len(run.commands) else run.frames
+    time_s, codes, words = table["t_s"], table["status"], table.words("status")
+    if not len(time_s):
+        return []
+    breaks = (np.diff(codes) != 0) | (np.diff(time_s) > BREAK_S)
+    firsts = np.concatenate([[0], np.flatnonzero(breaks) + 1])
+    lasts = np.append(firsts[1:], len(time_s)) - 1
+    stretches = []
+    for first, last in zip(firsts, lasts, strict=True):
+        after = min(last + 1, len(time_s) - 1)
+        end_s = time_s[after] if time_s[after] - time_s[last] <= BREAK_S else time_s[last]
+        stretches.append((float(time_s[first]), float(end_s), str(words[first])))
+    return stretches
+
+
+def _draw_band(axes: Axes, runs: Runs, theme: Theme) -> None:
+    for row, run in enumerate(runs.values()):
+        by_status: dict[str, list[tuple[float, float]]] = {}
+        for begin_s, end_s, status in status_stretches(run):
+            by_status.setdefault(status, []).append((begin_s - _origin_s(run, runs), end_s - begin_s))
+        for status, bars in by_status.items():
+            axes.broken_barh(bars, (-row - 0.4, 0.8), color=status_colour(status), linewidth=0)
+    names = list(runs) if len(runs) > 1 else ["status"]
+    axes.set_yticks([-row for row in range(len(runs))], names)
+    axes.set_ylim(-len(runs) + 0.4, 0.6)
+    axes.grid(visible=False)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+
+
+def _shown(runs: Runs) -> dict[str, str]:
+    """The statuses that occur, in the order of the protocol."""
+    there = {status for run in runs.values() for _, _, status in status_stretches(run)}
+    return {status: colour for status, colour in STATUS_COLOURS.items() if status in there}

@@ -1,0 +1,81 @@
+"""Pictures of recorded runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+from recordings import COASTING, LOST, NO_FRAME, Writer
+
+from pilotfish.logs import read_run
+from pilotfish.plots.relative_view import draw_relative_view
+from pilotfish.plots.run_overview import draw_run_overview, status_stretches
+from pilotfish.plots.style import DARK, save
+
+
+def curve(axes, number=1):
+    """(t, values) of a line; line 0 is the zero line."""
+    line = axes.get_lines()[number]
+    return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+
+
+def test_the_curves_are_the_errors_in_millimetres_and_degrees(recorded):
+    robot = read_run(recorded.box).robots["robot1"]
+    figure = draw_run_overview({"robot1": robot})
+    _, distance, bearing, speed, turn, latency = figure.axes
+    frames = robot.frames
+    for axes, expected in (
+        (distance, 1e3 * frames["error_m"]),
+        (bearing, np.degrees(frames["bearing_rad"] - frames["setpoint_bearing_rad"])),
+        (speed, frames["command_linear_mps"]),
+        (turn, np.degrees(frames["command_angular_radps"])),
+        (latency, 1e3 * frames["latency_s"]),
+    ):
+        time_s, values = curve(axes)
+        np.testing.assert_allclose(values[np.isfinite(values)], expected, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(time_s[np.isfinite(time_s)], frames["t_s"])
+
+
+def test_the_band_shows_what_was_sent_also_while_no_frame_came(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(10):
+        writer.frame()
+        writer.passes()
+    for k in range(20):
+        writer.command(COASTING if k < 3 else LOST, NO_FRAME)
+        writer.wall_us += 50_000
+    stretches = status_stretches(read_run(writer.file).robots["robot1"])
+    assert [status for _, _, status in stretches] == ["tracking", "coasting", "lost"]
+    assert [begin for begin, _, _ in stretches[1:]] == [end for _, end, _ in stretches[:-1]]  # without a hole
+    assert stretches[2][1] - stretches[2][0] == pytest.approx(16 * 0.05)
+
+
+def test_from_above_the_leader_is_where_distance_and_bearing_put_it(recorded):
+    robot = read_run(recorded.box).robots["robot1"]
+    axes = draw_relative_view({"robot1": robot}).axes[0]
+    right_m, forward_m = curve(axes)
+    np.testing.assert_allclose(np.hypot(right_m, forward_m), robot.frames["distance_m"])
+    # Positive bearing: to the left, so to the right is negative.
+    np.testing.assert_allclose(np.arctan2(-right_m, forward_m), robot.frames["bearing_rad"])
+
+
+def test_compared_runs_begin_together(recorded):
+    runs = {name: read_run(path).robots["robot1"] for name, path in (("box", recorded.box), ("bus", recorded.bus))}
+    axes = draw_run_overview(runs).axes[1]
+    assert curve(axes, 1)[0][0] == curve(axes, 2)[0][0] == 0.0
+
+
+def test_in_the_dark_the_ground_is_dark(recorded, tmp_path):
+    robot = read_run(recorded.box).robots["robot1"]
+    for draw in (draw_run_overview, draw_relative_view):
+        pixels = np.asarray(Image.open(save(draw({"robot1": robot}, "x", DARK), tmp_path / "x.png")).convert("L"))
+        assert np.median(pixels) < 40
+        assert pixels.max() > 200
+
+
+def test_a_run_without_a_leader_is_drawn(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    writer.frame(None)
+    robot = read_run(writer.file).robots["robot1"]
+    save(draw_run_overview({"robot1": robot}), tmp_path / "a.png")
+    save(draw_relative_view({"robot1": robot}), tmp_path / "b.png")

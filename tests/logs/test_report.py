@@ -1,0 +1,203 @@
+"""The page: opened by a real browser, in the light and in the dark, without a word on its console."""
+
+from __future__ import annotations
+
+import html.parser
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recordings import Writer
+
+from pilotfish.lcmtypes.pilotfish import box_file_t, box_start_t
+from pilotfish.logs import read_run
+from pilotfish.logs.report import ReportedRun, report_html
+
+CHROMIUM = os.environ.get("PILOTFISH_CHROMIUM", "/usr/bin/chromium")
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+def page_of(*paths):
+    runs = []
+    for at, path in enumerate(paths):
+        run = read_run(path)
+        runs += [ReportedRun(f"run {at}: {robot.name}", run, robot) for robot in run.coordinators]
+    return report_html(runs)
+
+
+@pytest.fixture(scope="module")
+def pages(recorded, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pages")
+    for name, paths in {"one": [recorded.box], "two": [recorded.box, recorded.bus]}.items():
+        (folder / f"{name}.html").write_text(page_of(*paths), encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def browser():
+    playwright = pytest.importorskip("playwright.sync_api")
+    if not Path(CHROMIUM).is_file():
+        pytest.skip(f"no browser at {CHROMIUM}; PILOTFISH_CHROMIUM says where one is")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("name", ["one", "two"])
+def test_a_browser_shows_it_without_complaint_and_loads_nothing_else(browser, pages, name, scheme):
+    context = browser.new_context(color_scheme=scheme, viewport={"width": 1200, "height": 900})
+    page, said, asked = context.new_page(), [], []
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto((pages / f"{name}.html").as_uri())
+    assert said == []
+    assert [url for url in asked if not url.startswith("data:")] == [(pages / f"{name}.html").as_uri()]
+    for link in page.locator("nav a").all():  # every section is there and can be gone to
+        assert page.locator(link.get_attribute("href")).count() == 1
+    for drawing in page.locator("figure svg").all():
+        box = drawing.bounding_box()
+        assert box["width"] > 500 and box["height"] > 300
+    # Text has the page's colour, in the drawings as well: light on dark in the dark.
+    ground, ink, drawn = (
+        page.evaluate(f"getComputedStyle(document.querySelector('{where}')).{what}")
+        for where, what in (("body", "backgroundColor"), ("body", "color"), ("figure svg text", "fill"))
+    )
+    lightness = [sum(map(int, re.findall(r"\d+", colour)[:3])) for colour in (ground, ink, drawn)]
+    assert lightness[1] == lightness[2]
+    assert (lightness[0] > lightness[1]) == (scheme == "light")
+    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    context.close()
+
+
+VOID = ("meta", "link", "br", "img")
+
+
+class Outline(html.parser.HTMLParser):
+    """Open elements, ids, and whether every element is closed in its turn."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.ids, self.names = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.names.append(tag)
+        self.ids += [value for key, value in attributes if key == "id"]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attributes):
+        self.ids += [value for key, value in attributes if key == "id"]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def test_the_page_is_well_formed_and_every_id_is_its_own(pages):
+    for file in pages.glob("*.html"):
+        outline = Outline(file.read_text())
+        assert outline.open == []
+        assert len(set(outline.ids)) == len(outline.ids)
+        assert "script" not in outline.names
+
+
+def test_it_shows_the_figures_that_are_computed(recorded, pages):
+    from pilotfish.logs.summary import shown, summarize
+
+    summary = summarize(read_run(recorded.box).robots["robot1"])
+    text = (pages / "one.html").read_text()
+    for name in ("duration_s", "rms_distance_error_mm", "latency_p99_ms", "frames"):
+        assert f'<td class="number">{shown(name, getattr(summary, name))}</td>' in text
+
+
+def hostile(tmp_path, word):
+    """A black box whose every text wants to be an element of the page."""
+    writer = Writer(tmp_path / "run.log")
+    start = box_start_t()
+    start.program = start.command_line = word
+    start.robot, start.session = "robot1", 77
+    file = box_file_t()
+    file.role, file.name, file.data = word, word, f'"{word}": 1'.encode()
+    file.size, start.files, start.file_count = len(file.data), [file], 1
+    start.overrides, start.override_count = [f"{word}={word}"], 1
+    writer.write("BOX", start)
+    for _ in range(5):
+        writer.frame(rejected={word[:24]: 3})
+        writer.passes()
+    return writer.file
+
+
+def test_nothing_in_a_recording_becomes_an_element_of_the_page(tmp_path):
+    word = "<script>alert(1)</script>"
+    (tmp_path / "other").mkdir()
+    text = page_of(hostile(tmp_path, word), hostile(tmp_path / "other", "<b>"))
+    outline = Outline(text)
+    assert "script" not in outline.names and "b" not in outline.names
+    assert "&lt;script&gt;alert(1)" in text
+
+
+def test_what_differs_between_runs_is_named_key_by_key(tmp_path):
+    for name, gain in (("one", 2.0), ("two", 2.5)):
+        (tmp_path / name).mkdir()
+        writer = Writer(tmp_path / name / "run.log")
+        start = box_start_t()
+        start.program, start.robot, start.session = f"pilotfish {name}", "robot1", 77
+        file = box_file_t()
+        file.role, file.data = "config", f"control: {{gain: {gain}, same: 1}}".encode()
+        file.size, start.files, start.file_count = len(file.data), [file], 1
+        writer.write("BOX", start)
+        writer.frame()
+    text = page_of(tmp_path / "one" / "run.log", tmp_path / "two" / "run.log")
+    differing = text[text.index("What differs</h2>") :].split("<h2")[0]
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", differing)
+    assert cells == ["program", "pilotfish one", "pilotfish two", "config: control.gain", "2.0", "2.5"]
+
+
+def test_runs_without_settings_say_so_and_a_run_without_a_leader_is_drawn(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(3):
+        writer.frame(None)
+        writer.passes()
+    text = page_of(writer.file, writer.file)
+    assert "only a black box records settings" in text
+    assert text.count("<svg") == 2
+
+
+def test_an_hour_makes_a_page_that_a_browser_can_show(tmp_path):
+    """Curves are thinned: an hour at 30 Hz has 108 000 frames, the page less than 1.5 MB. Here twenty minutes of it,
+    made in memory from a short recording; more would be thinned to the same."""
+    from dataclasses import replace
+
+    from pilotfish.logs.run import Table
+
+    writer = Writer(tmp_path / "run.log")
+    chance = np.random.default_rng(5)
+    for _ in range(60):
+        writer.frame(1.0 + chance.normal() * 0.01)
+        writer.passes()
+    run = read_run(writer.file)
+    robot = run.robots["robot1"]
+    times = 600
+
+    def longer(table):
+        arrays = {name: np.tile(values, times) for name, values in table.arrays.items()}
+        arrays["t_s"] = np.arange(len(arrays["t_s"])) / 30.0
+        return Table(table.columns, arrays)
+
+    robot = replace(robot, frames=longer(robot.frames), commands=longer(robot.commands))
+    text = report_html([ReportedRun("long", run, robot)])
+    assert len(text) < 1_500_000

@@ -1,0 +1,112 @@
+"""Figures of a run, computed by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from recordings import PERIOD_US, Writer
+
+from pilotfish.logs import read_run
+from pilotfish.logs.notes import Settings, SettingsFile
+from pilotfish.logs.settings_keys import differences, keys_of
+from pilotfish.logs.summary import TITLES, Summary, rms_jerk_mps3, shown, summarize
+
+PERIOD_S = PERIOD_US * 1e-6
+
+
+def robot_of(writer):
+    return read_run(writer.file).robots["robot1"]
+
+
+def test_errors_are_of_the_frames_that_were_followed(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for distance_m in (1.0, None, 1.2, None):  # e = 100 mm and -100 mm: setpoint 1.1 m
+        writer.frame(distance_m)
+        writer.passes()
+    summary = summarize(robot_of(writer))
+    assert summary.rms_distance_error_mm == pytest.approx(100.0)
+    assert summary.p95_distance_error_mm == pytest.approx(100.0)
+    assert summary.measured_share == summary.followed_share == 0.5
+    assert summary.frames == 4
+    assert summary.duration_s == pytest.approx(3 * PERIOD_S)
+    assert summary.frame_rate_hz == pytest.approx(1 / PERIOD_S)
+    assert summary.latency_max_ms == pytest.approx(2.0)  # recordings.py
+    assert summary.missed_deadlines == 0
+
+
+def test_settling_counts_from_the_last_setpoint(tmp_path):
+    """Behind a new setpoint the distance falls by 10 mm a frame, from 600 mm too far to none, and rests there: from the
+    55th period on it is within 50 mm."""
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(40):
+        writer.frame(2.0)
+        writer.passes()
+    for k in range(600):
+        writer.frame(1.3 + max(0, 60 - k) * 0.01, setpoint_m=1.3)
+        writer.passes()
+    summary = summarize(robot_of(writer))
+    assert summary.settling_s == pytest.approx(55 * PERIOD_S, abs=1.1 * PERIOD_S)
+    assert summary.steady_distance_error_mm == pytest.approx(0.0, abs=1e-9)
+
+
+def test_jerk_is_the_second_difference_and_gaps_count_nothing():
+    """v = a t^2 has the second difference 2 a T^2, so jerk 2 a, wherever it is; the jump over the gap is no jerk."""
+    time_s = np.concatenate([np.arange(50) * 0.1, 100.0 + np.arange(50) * 0.1])
+    speed_mps = 0.3 * np.concatenate([np.arange(50) * 0.1, np.arange(50) * 0.1]) ** 2
+    assert rms_jerk_mps3(time_s, speed_mps) == pytest.approx(0.6, rel=1e-6)
+
+
+def test_a_run_of_one_frame_without_a_leader_has_figures_all_the_same(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    writer.frame(None)
+    summary = summarize(robot_of(writer))
+    assert math.isnan(summary.rms_distance_error_mm) and math.isnan(summary.settling_s)
+    assert all(shown(name, getattr(summary, name)) for name in TITLES)
+
+
+def test_every_figure_has_a_title():
+    assert set(TITLES) == set(Summary.__dataclass_fields__)
+
+
+def settings(text, program="p 1", overrides=(), role="config"):
+    return Settings(program, "", overrides, (SettingsFile(role, "x.yaml", text),))
+
+
+def test_settings_differ_key_by_key_and_not_by_layout():
+    one = settings("a: {b: 1, c: [1, 2]}\nd: x\n")
+    other = settings("# other words, other order\nd: x\na:\n  c: [1, 2]\n  b: 2\n")
+    assert differences({"one": one, "other": other}) == {"config: a.b": ["1", "2"]}
+
+
+def test_a_key_that_only_one_run_has_and_another_program_are_differences():
+    one, other = settings("a: 1", overrides=("law=fuzzy",)), settings("a: 1\nb: {c: 2}", program="p 2")
+    assert differences({"one": one, "other": other}) == {
+        "program": ["p 1", "p 2"],
+        "command line: law": ["fuzzy", None],
+        "config: b.c": [None, "2"],
+    }
+
+
+def test_lists_of_tables_are_compared_by_their_place():
+    assert keys_of(settings("tags: [{id: 0}, {id: 4, at: [1, 2]}]")) == {
+        "config: tags.0.id": "0",
+        "config: tags.1.id": "4",
+        "config: tags.1.at": "[1, 2]",
+    }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a: [",
+        "\x00",
+        "[" * 3000,
+        "a: &a [x, x]\n"
+        + "".join(f"k{n}: &k{n} [*{p}, *{p}, *{p}]\n" for n, p in enumerate(["a", *[f"k{k}" for k in range(40)]])),
+        "a: &a\n  b: *a\n",
+    ],
+)
+def test_texts_that_are_no_settings_do_no_harm(text):
+    assert len(keys_of(settings(text))) <= 20_001
