@@ -21,8 +21,8 @@ from pilotfish.cli.operate import key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
-from pilotfish.cli.tags import tags
 from pilotfish.cli.report import report
+from pilotfish.cli.tags import tags
 from pilotfish.cli.tune import tune
 
 app = typer.Typer(
