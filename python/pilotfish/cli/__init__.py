@@ -1,5 +1,5 @@
 """The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``, and for a
-robot that runs ``stop | resume | setpoint | key | doctor``."""
+robot that runs ``stop | resume | setpoint | view | key | doctor``."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
 from pilotfish.cli.tune import tune
+from pilotfish.cli.view import view
 
 app = typer.Typer(
     name="pilotfish",
@@ -30,7 +31,7 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
+for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor, view):
     app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
