@@ -1,8 +1,7 @@
 """Where a robot has driven, from its twists alone.
 
 A twist (v, omega) that holds for dt turns the heading by a = omega dt and moves the base along an arc of length
-s = v dt, whose chord has the length s sin(a/2) / (a/2) and the direction psi + a/2. The chord formula has no singularity at
-omega = 0, where it is s.
+s = v dt. Its chord has the length s sin(a/2) / (a/2), which is s where omega is 0, and the direction psi + a/2.
 """
 
 from __future__ import annotations

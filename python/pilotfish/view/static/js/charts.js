@@ -8,7 +8,7 @@ const STRIPS = [
   { column: "bearing_error_deg", title: "bearing error, measured − wanted", unit: "°", digits: 2, least: 2, hue: "orange", show: signed },
   { column: "linear_mps", title: "command: speed v", unit: "m/s", digits: 3, least: 0.1, hue: "blue", show: signed },
   { column: "angular_radps", title: "command: turn rate ω", unit: "rad/s", digits: 3, least: 0.2, hue: "orange", show: signed },
-  { column: "latency_ms", title: "latency, exposure to command", unit: "ms", digits: 1, least: 20, hue: "green", show: number, positive: true },
+  { column: "latency_ms", title: "latency, picture to command", unit: "ms", digits: 1, least: 20, hue: "green", show: number, positive: true },
 ];
 const CAMERA_STRIPS = [
   { column: "distance_error_mm", title: "distance", unit: "mm", digits: 1, least: 100, hue: "blue", show: number, free: true },
@@ -50,7 +50,7 @@ export class Charts {
     const options = {
       width: this.host.clientWidth || 600,
       height: this.height(last),
-      padding: [6, 12, 0, 0],
+      padding: [6, 12, last ? 0 : 8, 0],
       cursor: { show: false },
       legend: { show: false },
       scales: { x: { time: false, range: () => [this.now - SPAN_S, this.now] }, y: { range: (_, low, high) => range(strip, low, high) } },
@@ -92,7 +92,9 @@ function range(strip, low, high) {
     const margin = Math.max((high - low) * 0.1, strip.least / 2);
     return [low - margin, high + margin];
   }
-  const most = nice(Math.max(Math.abs(low), Math.abs(high), strip.least));
+  const widest = Math.max(Math.abs(low), Math.abs(high));
+  if (!strip.positive && widest <= strip.least) return [-strip.least, strip.least];
+  const most = nice(Math.max(widest, strip.least));
   if (strip.positive || low >= -0.02 * most) return [strip.positive || low >= 0 ? 0 : -0.05 * most, most];
   return high <= 0.02 * most ? [-most, 0.05 * most] : [-most, most];
 }

@@ -31,13 +31,13 @@ export class Numbers {
 const seen = (state) => (state.observation?.detected ? state.observation : null);
 const sigma = (state, k, scale, unit) => {
   const value = seen(state)?.sigma?.[k];
-  return Number.isFinite(value) ? `± ${number(value * scale, 2)} ${unit}` : "";
+  return Number.isFinite(value) ? `± ${number(value * scale, unit === "°" ? 3 : 2)} ${unit}` : "";
 };
 
 const ROBOT_TILES = [
   ["distance", "m", (s) => number(seen(s)?.distance_m, 3), (s) => sigma(s, 0, 1e3, "mm"), "distance"],
   ["bearing, left positive", "°", (s) => signed(degrees(seen(s)?.bearing_rad), 2), (s) => sigma(s, 1, 180 / Math.PI, "°"), "bearing"],
-  ["heading of the leader", "°", (s) => signed(degrees(seen(s)?.heading_rad), 1), (s) => sigma(s, 2, 180 / Math.PI, "°"), "heading"],
+  ["leader's heading", "°", (s) => signed(degrees(seen(s)?.heading_rad), 1), (s) => sigma(s, 2, 180 / Math.PI, "°"), "heading"],
   ["speed v", "m/s", (s) => signed(s.command?.linear_mps, 3), (s) => wheels(s, "linear_mps"), "linear"],
   ["turn rate ω", "rad/s", (s) => signed(s.command?.angular_radps, 3), (s) => wheels(s, "angular_radps"), "angular"],
   ["pictures", "Hz", (s) => number(s.status?.frame_rate_hz, 1), (s) => `${number(s.status?.processing_ms, 1)} ms each`, "rate"],
@@ -49,9 +49,9 @@ function wheels({ base }, name) {
 }
 
 const LOOP_TILES = [
-  ["latency to the command", "ms", (s) => number(milli(s.status?.latency_s), 1), (s) => (s.status?.latency_from_exposure ? "from exposure" : "from arrival"), "latency"],
-  ["latency to the wheels", "ms", (s) => number(milli(s.status?.drive_latency_s), 0), (s) => `± ${number(milli(s.status?.drive_latency_sigma_s), 0)} ms`, "drive-latency"],
-  ["lag of the wheels", "ms", (s) => number(milli(s.status?.drive_lag_s), 0), (s) => `± ${number(milli(s.status?.drive_lag_sigma_s), 0)} ms`, "drive-lag"],
+  ["command latency", "ms", (s) => number(milli(s.status?.latency_s), 1), (s) => (s.status?.latency_from_exposure ? "from exposure" : "from arrival"), "latency"],
+  ["wheels' latency", "ms", (s) => number(milli(s.status?.drive_latency_s), 0), (s) => `± ${number(milli(s.status?.drive_latency_sigma_s), 0)} ms`, "drive-latency"],
+  ["wheels' lag", "ms", (s) => number(milli(s.status?.drive_lag_s), 0), (s) => `± ${number(milli(s.status?.drive_lag_sigma_s), 0)} ms`, "drive-lag"],
   ["feed-forward", "%", (s) => number((s.status?.feed_forward_weight ?? NaN) * 100, 0), (s) => (s.status?.feed_forward_weight > 0 ? `leader ${signed(s.status.leader_radial_mps, 2)} m/s` : ""), "feed-forward"],
   ["missed deadlines", "", (s) => `${s.status?.missed_deadlines ?? "–"}`, () => "", "missed"],
   ["wheels' process", "", (s) => s.base?.state ?? "none", (s) => s.base?.text ?? "", "base"],
