@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import pytest
-from web import ARGUMENTS, CHROMIUM
+from web import ARGUMENTS, CHROMIUM, serving
 
+from pilotfish import data
 from pilotfish.harness.ports import private_lcm_url
 
 
 @pytest.fixture
 def url():
     return private_lcm_url()
+
+
+@pytest.fixture(scope="session")
+def shared(tmp_path_factory):
+    """One server for many tests: each has a robot of its own on its bus (`shared.url`)."""
+    url = private_lcm_url()
+    options = ["--lcm-url", url, "--config", data.path("config/line.yaml")]
+    with serving(tmp_path_factory.mktemp("view"), *options) as server:
+        server.url = url
+        yield server
 
 
 @pytest.fixture(scope="session")

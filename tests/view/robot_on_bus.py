@@ -113,21 +113,18 @@ def picture(image: np.ndarray, *, jpeg: bool = True, utime: int = NOW_US) -> ima
         Image.fromarray(image).save(file, "JPEG", quality=80)
         message.pixelformat, message.data = image_t.PIXEL_FORMAT_MJPEG, file.getvalue()
     else:
-        message.pixelformat, message.row_stride, message.data = (
-            image_t.PIXEL_FORMAT_GRAY,
-            image.shape[1],
-            image.tobytes(),
-        )
+        message.pixelformat, message.row_stride = image_t.PIXEL_FORMAT_GRAY, image.shape[1]
+        message.data = image.tobytes()
     message.size = len(message.data)
     return message
 
 
 class RobotOnBus:
-    """Sends its messages ten times a second, in a thread, until the end of the block. They may be replaced meanwhile."""
+    """Sends its messages ten times a second, in a thread, until the end of the block; they may be replaced."""
 
     def __init__(self, url: str, robot: str = "robot1", **messages) -> None:
         self.bus = lcm.LCM(url)
-        self.robot = robot.upper()
+        self.name, self.robot = robot, robot.upper()
         self.messages = {"STATUS": status(), "OBSERVATION": observation(), "COMMAND": command()} | messages
         self._end = threading.Event()
         self._thread = threading.Thread(target=self._run)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from urllib.parse import urlsplit
 
 import pytest
@@ -18,10 +19,9 @@ from robot_on_bus import (
 )
 from web import serving
 
-from pilotfish import data
 from pilotfish.lcmtypes.pilotfish import command_t
 
-LINE = ["--config", data.path("config/line.yaml")]
+DASH = "\u2013"
 
 
 def text(page, selector):
@@ -30,12 +30,18 @@ def text(page, selector):
 
 def wait_for_text(page, selector, wanted):
     page.wait_for_function(
-        "([selector, wanted]) => document.querySelector(selector)?.textContent.replaceAll('\u2212', '-').includes(wanted)",
+        """([selector, wanted]) =>
+          document.querySelector(selector)?.textContent.replaceAll("\\u2212", "-").includes(wanted)""",
         arg=[selector, wanted],
     )
 
 
-def test_the_values_on_the_page_are_those_of_the_messages(tmp_path, url, browser):
+def columns_of(page, selector, columns):
+    """Of every element: what the JavaScript expressions in it, `e`, give."""
+    return page.eval_on_selector_all(selector, f"all => all.map((e) => [{columns}])")
+
+
+def test_the_values_on_the_page_are_those_of_the_messages(shared, browser):
     said = with_lists(
         status(),
         strengths={25: 0.75, 26: 0.25},  # row 3 (NZ), columns 4 and 5 (PS, PM): 3 * 7 + 4 and + 5
@@ -43,8 +49,8 @@ def test_the_values_on_the_page_are_those_of_the_messages(tmp_path, url, browser
         stages=[("looked", [0, 0, 90, 9, 1, 0, 0, 0, 0, 0, 0], 3.4)],  # median below 1 ms, 99 % below 2 ms
     )
     messages = {"STATUS": said, "BASE": base(), "PREVIEW": picture(gray_image())}
-    with RobotOnBus(url, **messages), serving(tmp_path, "robot1", "--lcm-url", url, *LINE) as server:
-        page = browser.open(server.address)
+    with RobotOnBus(shared.url, "values", **messages):
+        page = browser.open(shared.of("values"))
         page.wait_for_selector("#picture[data-tags='0 1']")
         wait_for_text(page, "#value-distance", "1.350")
         shown = {name: text(page, f"#value-{name}") for name in ("distance", "bearing", "heading", "linear", "angular")}
@@ -66,45 +72,42 @@ def test_the_values_on_the_page_are_those_of_the_messages(tmp_path, url, browser
         wait_for_text(page, ".now[data-column=distance_error_mm]", "-250 mm")
         wait_for_text(page, ".now[data-column=bearing_error_deg]", "-2.50 °")
         page.wait_for_selector("#rules td[data-rule='NZ PS'][data-strongest]")
-        fires = page.eval_on_selector_all(
-            "#rules td[data-fires]", "cells => cells.map((c) => [c.dataset.rule, c.dataset.strength])"
-        )
+        fires = columns_of(page, "#rules td[data-fires]", "e.dataset.rule, e.dataset.strength")
         assert fires == [["NZ PS", "0.75"], ["NZ PM", "0.25"]]
         stage = text(page, "#stages tbody tr").split()
         assert stage == ["looked", "<", "1", "ms", "<", "2", "ms", "3.4", "ms"]
-        refused = page.eval_on_selector_all(
-            "#refused tr", "rows => rows.map((r) => [r.dataset.counter, r.cells[0].textContent])"
-        )
+        refused = columns_of(page, "#refused tr", "e.dataset.counter, e.cells[0].textContent")
         assert refused == [["tag_foreign_id", "12"], ["frames_stale", "3"]]
     assert browser.complaints == []
 
 
-def test_no_request_leaves_the_host_and_the_console_stays_empty(tmp_path, url, browser):
-    with RobotOnBus(url, PREVIEW=picture(gray_image())), serving(tmp_path, "--lcm-url", url) as server:
+def test_no_request_leaves_the_host_and_the_console_stays_empty(shared, browser):
+    with RobotOnBus(shared.url, "at_home", PREVIEW=picture(gray_image())):
         for scheme, width in (("light", 1400), ("dark", 390)):
-            page = browser.open(server.address, scheme=scheme, width=width)
+            page = browser.open(shared.of("at_home"), scheme=scheme, width=width)
             page.wait_for_selector("#picture[data-tags='0 1']")
             assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth"), (
                 f"{width} px is not enough"
             )
-        assert {urlsplit(request).netloc for request in browser.requests} == {server.host}
+        assert {urlsplit(request).netloc for request in browser.requests} == {shared.host}
     assert browser.complaints == []
 
 
 @pytest.mark.parametrize(
     ("message", "expected"),
     [
-        ({"OBSERVATION": observation(distance_m=math.nan)}, {"distance": "–", "linear": "+0.321"}),
-        ({"COMMAND": command(linear_mps=math.inf)}, {"distance": "1.350", "linear": "–"}),
-        ({"STATUS": status(error_m=math.nan, latency_s=math.nan)}, {"distance": "1.350", "latency": "–"}),
+        ({"OBSERVATION": observation(distance_m=math.nan)}, {"distance": DASH, "linear": "+0.321"}),
+        ({"COMMAND": command(linear_mps=math.inf)}, {"distance": "1.350", "linear": DASH}),
+        ({"STATUS": status(error_m=math.nan, latency_s=math.nan)}, {"distance": "1.350", "latency": DASH}),
         ({"OBSERVATION": observation(tags=0)}, {"distance": "1.350"}),
         ({"OBSERVATION": observation(tags=12)}, {"distance": "1.350"}),
     ],
     ids=["NaN distance", "infinite speed", "NaN status", "0 tags", "12 tags"],
 )
-def test_odd_numbers_are_dashes_and_the_rest_is_shown(tmp_path, url, browser, message, expected):
-    with RobotOnBus(url, **message, PREVIEW=picture(gray_image())), serving(tmp_path, "--lcm-url", url) as server:
-        page = browser.open(server.address)
+def test_odd_numbers_are_dashes_and_the_rest_is_shown(shared, browser, request, message, expected):
+    name = "odd_" + re.sub(r"\W", "", request.node.callspec.id).lower()
+    with RobotOnBus(shared.url, name, **message, PREVIEW=picture(gray_image())):
+        page = browser.open(shared.of(name))
         for name, value in expected.items():
             wait_for_text(page, f"#value-{name}", value)
         tags = " ".join(str(tag.id) for tag in message.get("OBSERVATION", observation()).tags)
@@ -112,9 +115,9 @@ def test_odd_numbers_are_dashes_and_the_rest_is_shown(tmp_path, url, browser, me
     assert browser.complaints == []
 
 
-def test_malformed_messages_are_counted_and_the_page_lives_on(tmp_path, url, browser):
-    with RobotOnBus(url) as robot, serving(tmp_path, "robot1", "--lcm-url", url) as server:
-        page = browser.open(server.address)
+def test_malformed_messages_are_counted_and_the_page_lives_on(shared, browser):
+    with RobotOnBus(shared.url, "garbled") as robot:
+        page = browser.open(shared.of("garbled"))
         good = status().encode()
         for data in (b"", b"\0" * 7, good[:40], good[:8] + b"\xff" * 900, b"x" * 60000):
             robot.send("STATUS", data)
@@ -127,30 +130,32 @@ def test_malformed_messages_are_counted_and_the_page_lives_on(tmp_path, url, bro
     assert browser.complaints == []
 
 
-def test_a_coordinator_that_falls_silent_is_old_within_a_second(tmp_path, url, browser):
-    with serving(tmp_path, "robot1", "--lcm-url", url) as server:
-        with RobotOnBus(url, PREVIEW=picture(gray_image())):
-            page = browser.open(server.address)
-            page.wait_for_selector("#picture[data-tags='0 1']")
-            page.evaluate(
-                """() => {
-                  const live = () => document.body.dataset.live === "live";
-                  window.sinceNewest_ms = null;
-                  new MutationObserver(() => { if (!live()) window.sinceNewest_ms ??= document.getElementById("why").textContent; })
-                    .observe(document.body, { attributes: true });
-                }"""
-            )
-        page.wait_for_selector('body[data-live="silent"]')
-        wait_for_text(page, "#headline", "No message from robot1's coordinator")
-        # The page turns when the newest message is 0.5 s old; the age that it names then is below 1 s.
-        assert (
-            page.evaluate("() => getComputedStyle(document.querySelector('#tiles dd')).textDecorationLine")
-            == "line-through"
+def test_a_robot_that_falls_silent_is_old_within_a_second(shared, browser):
+    with RobotOnBus(shared.url, "silent", PREVIEW=picture(gray_image())):
+        page = browser.open(shared.of("silent"))
+        page.wait_for_selector("#picture[data-tags='0 1']")
+        # What the page says of the newest message's age at the moment when it stops to call it live.
+        page.evaluate(
+            """() => {
+              window.firstSaid = null;
+              const look = () => {
+                if (document.body.dataset.live !== "live") window.firstSaid ??= document.getElementById("why").textContent;
+              };
+              new MutationObserver(look).observe(document.body, { attributes: true });
+            }"""
         )
-        page.wait_for_function("() => document.getElementById('link-text').textContent.includes('silent for')")
-        with RobotOnBus(url):
-            page.wait_for_selector('body[data-live="live"]')
-            wait_for_text(page, "#headline", "Following the leader")
+    page.wait_for_selector('body[data-live="silent"]')
+    wait_for_text(page, "#headline", "No message from silent's coordinator")
+    said = re.match(r"the newest is (\d+) ms old", page.evaluate("window.firstSaid"))
+    assert said, page.evaluate("window.firstSaid")
+    assert 500 < int(said[1]) < 1000
+    struck = "() => getComputedStyle(document.querySelector('#tiles dd')).textDecorationLine"
+    assert page.evaluate(struck) == "line-through"
+    page.wait_for_selector("#picture-card[data-old]")
+    with RobotOnBus(shared.url, "silent"):
+        page.wait_for_selector('body[data-live="live"]')
+        wait_for_text(page, "#headline", "Following the leader")
+        assert page.evaluate(struck) == "none"
 
 
 def test_a_killed_server_is_named_and_its_successor_found(tmp_path, url, browser):
@@ -170,17 +175,15 @@ def test_a_killed_server_is_named_and_its_successor_found(tmp_path, url, browser
             )
 
 
-def test_two_tabs_and_a_reload_show_the_same_and_the_last_minute(tmp_path, url, browser):
-    with RobotOnBus(url), serving(tmp_path, "robot1", "--lcm-url", url) as server:
-        first = browser.open(server.address)
-        second = browser.open(server.address, width=390)
-        for page in (first, second):
-            wait_for_text(page, "#value-distance", "1.350")
+def test_a_second_tab_and_a_reload_show_the_same(shared, browser):
+    with RobotOnBus(shared.url, "tabs") as robot:
+        first, second = browser.open(shared.of("tabs")), browser.open(shared.of("tabs"), width=390)
         first.reload()
-        first.wait_for_selector('body[data-live="live"]')
-        wait_for_text(first, "#value-distance", "1.350")
-        wait_for_text(second, "#value-distance", "1.350")
-    assert [c for c in browser.complaints if "WebSocket" not in c] == []
+        robot.messages["OBSERVATION"] = observation(distance_m=1.777)
+        for page in (first, second):
+            page.wait_for_selector('body[data-live="live"]')
+            wait_for_text(page, "#value-distance", "1.777")
+    assert browser.complaints == []
 
 
 def test_robots_are_discovered_and_can_be_chosen(tmp_path, url, browser):
@@ -190,23 +193,20 @@ def test_robots_are_discovered_and_can_be_chosen(tmp_path, url, browser):
         other = RobotOnBus(url, "second_2", COMMAND=command(linear_mps=0.055))
         with RobotOnBus(url), other:
             page.wait_for_selector("nav a")
-            assert page.eval_on_selector_all("nav a", "links => links.map((a) => a.textContent)") == [
-                "robot1",
-                "second_2",
-            ]
+            assert columns_of(page, "nav a", "e.textContent") == [["robot1"], ["second_2"]]
             page.click("nav a:text('second_2')")
             wait_for_text(page, "#value-linear", "+0.055")
             assert page.inner_text("#name") == "second_2"
 
 
-def test_a_frame_that_does_not_fit_the_calibration_is_said_with_both_sizes(tmp_path, url, browser):
+def test_a_frame_that_does_not_fit_the_calibration_is_said_with_both_sizes(shared, browser):
     reason = 6  # frame_size_not_calibrated
     messages = {
         "STATUS": status(status=command_t.STATUS_INVALID_INPUT, reason=reason),
         "OBSERVATION": observation(tags=0, detected=False, reason=reason),
         "PREVIEW": picture(gray_image(1280, 720)),
     }
-    with RobotOnBus(url, **messages), serving(tmp_path, "--lcm-url", url, *LINE) as server:
-        page = browser.open(server.address)
+    with RobotOnBus(shared.url, "misfit", **messages):
+        page = browser.open(shared.of("misfit"))
         wait_for_text(page, "#lines", "frame 1280 x 720, calibration 640 x 480")
         assert text(page, "#why") == "the frame's size is not the calibration's"

@@ -33,6 +33,10 @@ class Server:
         self.address = child.stdout().split()[0]
         self.host = urlsplit(self.address).netloc
 
+    def of(self, robot: str) -> str:
+        """The address of a robot's page."""
+        return f"{self.address}?robot={robot}"
+
     def get(self, path: str = "/", method: str = "GET", body: bytes = b"", **headers: str) -> tuple[int, str]:
         """Status and text. Names of headers with _ for -; Host and Origin are right unless they are given."""
         host, port = self.host.rsplit(":", 1)
