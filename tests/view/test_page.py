@@ -139,7 +139,8 @@ def test_a_robot_that_falls_silent_is_old_within_a_second(shared, browser):
             """() => {
               window.firstSaid = null;
               const look = () => {
-                if (document.body.dataset.live !== "live") window.firstSaid ??= document.getElementById("why").textContent;
+                if (document.body.dataset.live === "live") return;
+                window.firstSaid ??= document.getElementById("why").textContent;
               };
               new MutationObserver(look).observe(document.body, { attributes: true });
             }"""

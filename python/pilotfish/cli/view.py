@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -102,15 +103,15 @@ def view(
         from pilotfish.view import access, running
         from pilotfish.view.server import make_app
 
-        hub, setup, commander = (
-            _camera_hub(camera, tag_size, camera_file, fov_deg, size)
-            if camera is not None and tag_size is not None
-            else _bus_hub(robot, lcm_url, config, fuzzy, key)
-        )
-        rules = access.Access(access.new_token(), open_to_others=not access.is_loopback(host))
-        listening = running.open_socket(host, port)
-        app = make_app(hub, rules, setup, commander)
-        running.serve(app, listening, lambda: _say_where(host, listening.getsockname()[1], rules))
+        with contextlib.closing(running.open_socket(host, port)) as listening:
+            hub, setup, commander = (
+                _camera_hub(camera, tag_size, camera_file, fov_deg, size)
+                if camera is not None and tag_size is not None
+                else _bus_hub(robot, lcm_url, config, fuzzy, key)
+            )
+            rules = access.Access(access.new_token(), open_to_others=not access.is_loopback(host))
+            app = make_app(hub, rules, setup, commander)
+            running.serve(app, listening, lambda: _say_where(host, listening.getsockname()[1], rules))
 
 
 def _check_combination(

@@ -42,7 +42,9 @@ class Commander:
         self._busy: set[str] = set()
 
     def close(self) -> None:
-        """Waits for nothing; stops that are being sent are sent to their end."""
+        """Waits for nothing: stops that are being sent are sent to their end, the rest is cancelled."""
+        for operator in tuple(self._under_way.values()):
+            operator.cancel()
         for executor in (self._stops, self._others):
             executor.shutdown(wait=False)
 

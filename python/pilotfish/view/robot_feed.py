@@ -18,6 +18,7 @@ KINDS = ("STATUS", "OBSERVATION", "COMMAND", "BASE")
 PICTURE_KINDS = ("PREVIEW", "IMAGE")
 _MAX_PENDING = 12000  # a minute of four channels at 50 Hz
 _DECODE_EVERY_S = 0.1  # of what was kept while nobody watched: as often as a sample is made
+_COUNTERS_EVERY_S = 0.05  # kept, to say what rose in the last second
 _PREVIEW_FOR_S = 1.0  # so long a preview is preferred to the camera's own pictures
 _PICTURE_EVERY_S = 0.08  # a raw picture is encoded no more often
 _OVERLAYS = 64
@@ -183,7 +184,7 @@ class RobotFeed(Feed):
             self._session, self._rejected = values["session"], {}
             self._rejected_before.clear()
         self._rejected = self._rejected | values["rejected"]
-        if not self._rejected_before or arrival_s - self._rejected_before[-1][0] >= _DECODE_EVERY_S:
+        if not self._rejected_before or arrival_s - self._rejected_before[-1][0] >= _COUNTERS_EVERY_S:
             self._rejected_before.append((arrival_s, dict(self._rejected)))
         while len(self._rejected_before) > 1 and arrival_s - self._rejected_before[1][0] >= 1.0:
             self._rejected_before.popleft()

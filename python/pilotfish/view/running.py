@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import signal
 import socket
@@ -20,10 +21,12 @@ def open_socket(host: str, port: int) -> socket.socket:
     """A listening socket; SilentRobotError with what to do if there is none to be had. port 0: any."""
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-        listening = socket.socket(family, socket.SOCK_STREAM)
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listening.bind(address)
-        listening.listen(64)
+        with contextlib.ExitStack() as on_error:
+            listening = on_error.enter_context(socket.socket(family, socket.SOCK_STREAM))
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listening.bind(address)
+            listening.listen(64)
+            on_error.pop_all()
     except socket.gaierror as error:
         raise SilentRobotError(f"--host {host}: {error.strerror}; use an address of this host") from error
     except OSError as error:

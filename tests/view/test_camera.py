@@ -1,0 +1,87 @@
+"""A camera without any coordinator: one tag in rendered pictures, whose true pose is known."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+from test_page import text, wait_for_text
+from web import serving
+
+from pilotfish import core, data, vision
+from pilotfish.view.camera_feed import assumed_camera
+from pilotfish.view.one_tag import OneTag
+
+SIZE_M, WIDTH, HEIGHT, FOV_DEG = 0.16, 640, 480, 60.0
+
+
+def tag_picture(range_m, *, tag=7, right_m=0.0):
+    """A tag that faces a pinhole camera squarely: a point (X, Y, range) is seen at u = f X / Z + cx. Its cells are then
+    upright rectangles, and a pixel's level is the mean over its square, exactly: overlaps along u times those along v.
+    No code of the tracker or of its renderer is used."""
+    family = vision.TagFamily("tag36h11")
+    cells = np.where(np.asarray(family.bitmap(tag)) > 0, 220.0, 30.0)  # with its white border
+    f = 0.5 * WIDTH / math.tan(math.radians(FOV_DEG) / 2)
+    cell_px = f * SIZE_M / family.cells_at_border / range_m
+    edges = (np.arange(len(cells) + 1) - len(cells) / 2) * cell_px
+    u = _overlaps(edges + f * right_m / range_m + (WIDTH - 1) / 2, WIDTH)
+    v = _overlaps(edges + (HEIGHT - 1) / 2, HEIGHT)
+    image = v @ (cells - 150.0) @ u.T + 150.0
+    noise = np.random.default_rng(1).normal(0, 1.5, image.shape)
+    return np.clip(np.round(image + noise), 0, 255).astype(np.uint8)
+
+
+def _overlaps(edges, pixels):
+    """(pixels, cells): how much of each pixel, which is one wide around its centre, each cell covers."""
+    left = np.arange(pixels)[:, None] - 0.5
+    return np.clip(np.minimum(left + 1, edges[1:]) - np.maximum(left, edges[:-1]), 0, None)
+
+
+@pytest.mark.parametrize("range_m", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("tag", [0, 7, 586])
+def test_any_one_tag_is_measured_at_its_range_with_the_field_of_view_it_was_taken_with(range_m, tag):
+    camera = assumed_camera(WIDTH, HEIGHT, FOV_DEG)
+    seen = OneTag(SIZE_M).look(core.Frame(tag_picture(range_m, tag=tag, right_m=0.1), utime=1), camera)
+    assert (seen["detected"], [one["id"] for one in seen["tags"]]) == (True, [tag])
+    # 0.16 m at 2 m is 44 px wide: sides that are found to 0.02 px on either end give 0.1 % of the range
+    assert np.asarray(seen["camera_from_leader"])[:, 3] == pytest.approx([0.1, 0.0, range_m], abs=1e-3 * range_m)
+
+
+def test_a_tag_that_is_taken_away_is_forgotten_and_another_one_followed():
+    camera, follower = assumed_camera(WIDTH, HEIGHT, FOV_DEG), OneTag(SIZE_M)
+    nothing = np.random.default_rng(0).integers(120, 130, (HEIGHT, WIDTH), dtype=np.uint8)
+    shown = [tag_picture(1.0, tag=3)] * 3 + [nothing] * 20 + [tag_picture(1.0, tag=4)] * 3
+    seen = [follower.look(core.Frame(image, utime=33_333 * k), camera) for k, image in enumerate(shown, 1)]
+    assert [s["tags"][0]["id"] if s["detected"] else None for s in seen] == [3] * 3 + [None] * 20 + [4] * 3
+
+
+def test_the_assumed_lens_is_as_wide_as_it_says():
+    camera = assumed_camera(1280, 720, 90.0)
+    assert camera.fx == camera.fy == pytest.approx(640.0)  # tan(45 deg) = 1: f is half the width
+    edge = camera.project(np.array([1.0, 0.0, 1.0]))  # 45 deg to the right
+    assert edge[0] == pytest.approx(1279.5)  # the right edge of the last pixel
+
+
+def test_the_page_shows_a_cameras_tag_and_says_that_its_lens_is_assumed(tmp_path, browser):
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for k in range(4):
+        Image.fromarray(tag_picture(1.0 + 0.001 * k)).save(folder / f"{k}.png")
+    options = ["--camera", f"images:{folder}", "--tag-size", str(SIZE_M)]
+    with serving(tmp_path, *options) as server:
+        page = browser.open(server.address)
+        page.wait_for_selector("#picture[data-tags='7']")
+        wait_for_text(page, "#headline", "Tag 7")
+        wait_for_text(page, "#lines", "not calibrated: 60° wide is assumed")
+        assert re.fullmatch(r"1\.00\d", text(page, "#value-range"))
+        assert page.is_hidden("#stop")
+        assert page.is_hidden("#law-card")
+        assert server.post("/api/robots/camera/stop", {})[0] == 404
+        assert browser.complaints == []
+    with serving(tmp_path, *options, "--camera-file", str(data.path("calibrations/sim_640x480.yaml"))) as server:
+        page = browser.open(server.address)
+        wait_for_text(page, "#lines", "calibrated")
+        assert "not calibrated" not in text(page, "#lines")
