@@ -77,8 +77,8 @@ class Operator:
         self._cancelled = threading.Event()
 
     def cancel(self) -> None:
-        """From another thread: nothing but stops is sent from now on. Whoever stops a robot while a resume is still being
-        sent must not have it resumed behind the stop."""
+        """From another thread: nothing but stops is sent from now on, because a resume that is still being sent must
+        not end a stop that was asked for behind it."""
         self._cancelled.set()
 
     def listen(self, within_s: float = WITHIN_S) -> StatusReport:

@@ -12,7 +12,8 @@ from test_page import text, wait_for_text
 from web import serving
 
 from pilotfish import core, data, vision
-from pilotfish.view.camera_feed import assumed_camera
+from pilotfish.coordinator import load_calibration
+from pilotfish.view.camera_feed import CameraFeed, assumed_camera, open_source
 from pilotfish.view.one_tag import OneTag
 
 SIZE_M, WIDTH, HEIGHT, FOV_DEG = 0.16, 640, 480, 60.0
@@ -81,7 +82,19 @@ def test_the_page_shows_a_cameras_tag_and_says_that_its_lens_is_assumed(tmp_path
         assert page.is_hidden("#law-card")
         assert server.post("/api/robots/camera/stop", {})[0] == 404
         assert browser.complaints == []
-    with serving(tmp_path, *options, "--camera-file", str(data.path("calibrations/sim_640x480.yaml"))) as server:
-        page = browser.open(server.address)
-        wait_for_text(page, "#lines", "calibrated")
-        assert "not calibrated" not in text(page, "#lines")
+
+
+def test_a_calibration_is_used_instead_of_an_assumption(tmp_path):
+    Image.fromarray(tag_picture(1.0)).save(tmp_path / "0.png")
+    file = data.path("calibrations/sim_640x480.yaml")
+    feeds = [
+        CameraFeed(open_source(f"images:{tmp_path}", camera_file=calibration, fov_deg=None, size="640x480"), SIZE_M)
+        for calibration in (file, None)
+    ]
+    assert [feed.hello()["assumed_fov_deg"] for feed in feeds] == [None, 60.0]
+    assert feeds[0]._camera == load_calibration(file)
+
+
+def test_a_picture_of_another_size_than_the_calibrations_is_said_with_both_sizes():
+    seen = OneTag(SIZE_M).look(core.Frame(tag_picture(1.0), utime=1), assumed_camera(1280, 720, FOV_DEG))
+    assert (seen["detected"], seen["text"]) == (False, "picture 640 x 480, calibration 1280 x 720")

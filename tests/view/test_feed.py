@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from robot_on_bus import base, command, gray_image, observation, picture, status, with_lists
 
 from pilotfish import data
+from pilotfish.lcmtypes.bot_core import image_metadata_t
 from pilotfish.view import messages, pictures, robot_feed
 from pilotfish.view.dead_reckoning import PlanarPose
 from pilotfish.view.robot_feed import RobotFeed
@@ -99,6 +100,26 @@ def test_any_bytes_leave_a_feed_that_can_be_sent(kind, cut, noise):
     )
     feed.picture()
     assert state_of(feed)["command"]["linear_mps"] == pytest.approx(0.321) or kind == "COMMAND"
+
+
+def test_a_reason_is_said_with_the_numbers_that_the_coordinator_gives():
+    said = "lost: no tag of the leader's body in the picture (saw id 20, 21, the leader has 0, 1, 2)"
+    feed, _ = feed_with(("STATUS", status(status=3, reason=2, text=said)))
+    words = state_of(feed)["words"]
+    assert words["why"] == said.removeprefix("lost: ")
+    assert "the body has ids 0 to 2" not in words["lines"]  # it is said once
+
+
+def test_a_preview_that_is_smaller_than_the_cameras_picture_says_how_much():
+    message = picture(gray_image(320, 240))
+    extra = image_metadata_t()
+    extra.key, extra.value, extra.n = "pilotfish_shrink", b"4", 1
+    message.metadata, message.nmetadata = [extra], 1
+    made = pictures.picture_of(message.encode())
+    assert (made.width, made.height, made.source_width, made.source_height) == (320, 240, 1280, 960)
+    for nonsense in (b"0", b"-2", b"1e3", b"", b"\xff", b"99999"):
+        extra.value, extra.n = nonsense, len(nonsense)
+        assert pictures.picture_of(message.encode()).source_width == 320
 
 
 def test_counters_that_take_turns_are_kept_until_the_session_ends():

@@ -6,7 +6,6 @@ from contextlib import ExitStack
 
 import lcm
 import pytest
-from robot_on_bus import RobotOnBus
 from test_page import text, wait_for_text
 from web import serving
 
@@ -14,8 +13,6 @@ from pilotfish import data
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
-from pilotfish.lcmtypes.pilotfish.setpoint_t import setpoint_t
-from pilotfish.operating import new_key
 
 
 @pytest.fixture
@@ -90,18 +87,3 @@ def test_stop_resume_and_setpoint_do_what_they_say_and_a_killed_coordinator_is_n
     assert "stops were sent, and none was confirmed" in text(page, "#outcome")
     complaints = [said for said in browser.complaints if "409" not in said]  # Chromium logs what is not confirmed
     assert complaints == []
-
-
-def test_the_key_authenticates_a_resume(tmp_path, url, browser):
-    key = tmp_path / "robot1.key"
-    new_key(key)
-    received = []
-    bus = lcm.LCM(url)
-    bus.subscribe("ROBOT1_SETPOINT", lambda _, data: received.append(setpoint_t.decode(data)))
-    with RobotOnBus(url), serving(tmp_path, "robot1", "--lcm-url", url, "--key", str(key)) as server:
-        page = browser.open(server.address)
-        page.click("#resume")
-        while not received:
-            assert bus.handle_timeout(5000)
-        assert received[0].run
-        assert bytes(b & 0xFF for b in received[0].mac) != bytes(32)

@@ -63,10 +63,9 @@ def test_a_port_that_is_taken_is_named():
         assert f"port {taken.getsockname()[1]}: another program listens there; choose another --port" in ended.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_it_ends_quietly_with_zero(tmp_path, url, number):
+def test_ctrl_c_ends_it_quietly(tmp_path, url):  # and SIGTERM every other server of these tests
     with serving(tmp_path, "--lcm-url", url) as server:
-        server.child.process.send_signal(number)
+        server.child.process.send_signal(signal.SIGINT)
         assert server.child.process.wait(10) == 0
         assert server.child.stderr() == ""
 

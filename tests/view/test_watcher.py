@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 
 from robot_on_bus import command, gray_image, picture
 
@@ -29,6 +30,12 @@ class Page:
     async def on_bytes(self, data):
         length = int.from_bytes(data[:4], "big")
         self.pictures.append(json.loads(data[4 : 4 + length]))
+
+
+def run(play):
+    """In a thread of its own: Playwright's browser keeps an event loop in this one."""
+    with ThreadPoolExecutor(1) as executor:
+        executor.submit(lambda: asyncio.run(play())).result()
 
 
 async def until(condition):
@@ -66,7 +73,7 @@ def test_a_page_that_does_not_answer_gets_two_of_a_kind_and_then_the_newest():
         await asyncio.gather(*tasks, return_exceptions=True)
         assert not feed.watched
 
-    asyncio.run(play())
+    run(play)
 
 
 def test_a_picture_that_was_sent_before_its_measurement_gets_it_with_the_next_state():
@@ -88,4 +95,4 @@ def test_a_picture_that_was_sent_before_its_measurement_gets_it_with_the_next_st
         task.cancel()
         await asyncio.gather(task, return_exceptions=True)
 
-    asyncio.run(play())
+    run(play)

@@ -74,3 +74,6 @@ def serving(folder: Path, *options: str | Path, name: str = "view") -> Iterator[
     with Child(command, folder, name) as child:
         child.wait_until(lambda: "Ctrl-C" in child.stdout(), 20.0, "being ready")
         yield Server(child)
+        if child.process.poll() is None:
+            assert child.terminate() == 0, child.error("SIGTERM is not its ordinary end")
+        assert "Traceback" not in child.stderr(), child.stderr()

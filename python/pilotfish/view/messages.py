@@ -10,6 +10,7 @@ from pilotfish.lcmtypes.pilotfish import base_t, command_t, observation_t, statu
 
 MAX_MESSAGE_BYTES = 16384  # of the four below; the longest that a coordinator sends has 1400
 MAX_TAGS = 12
+_MAX_TEXT = 300
 STATUS_NAMES = ("searching", "tracking", "coasting", "lost", "stopped", "invalid_input")
 _REASONS = {int(reason): reason for reason in Reason.__members__.values()}
 BASE_STATES = ("waiting", "driving", "stopped", "fault")
@@ -47,8 +48,15 @@ def _reason(number: int) -> tuple[str, str]:
     return (reason.name, reason.text) if reason is not None else (f"reason_{number}", f"reason {number}")
 
 
+def _said(text: str, otherwise: str) -> str:
+    """Of "lost: no tag of the leader's body in the picture (saw id 20)" what stands behind the status, for people: it
+    has the numbers of the reason. A sender without it: the reason's own text."""
+    return text.partition(": ")[2][:_MAX_TEXT] or otherwise
+
+
 def _status(message: status_t) -> Values:
     reason, text = _reason(message.reason)
+    text = _said(message.text, text)
     numbers = (
         *("error_m", "error_change_m", "output", "feed_forward_weight", "leader_radial_mps", "leader_tangential_mps"),
         *("leader_turn_rate_radps", "frame_rate_hz", "processing_ms", "latency_s", "drive_latency_s"),

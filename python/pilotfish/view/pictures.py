@@ -15,7 +15,8 @@ from pilotfish.view.messages import MalformedError
 MAX_SIDE_PX = 8192
 MAX_WIDTH_SENT_PX = 1280
 _QUALITY = 80
-_SOURCE_SIZE = "source_size"  # metadata of a picture that was made smaller: "1280x720"
+_SHRINK = "pilotfish_shrink"  # extra of a preview: so many times smaller than the camera's picture on each side
+_MAX_SHRINK = 1000
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,8 @@ class Picture:
     jpeg: bytes
     width: int  # of the JPEG [px]
     height: int
-    source_width: int | None  # of the picture that the tags' corners refer to [px]; None: not known
-    source_height: int | None
+    source_width: int  # of the camera's picture, which the tags' corners refer to [px]
+    source_height: int
 
 
 def picture_of(data: bytes) -> Picture:
@@ -42,10 +43,10 @@ def picture_of(data: bytes) -> Picture:
     if message.pixelformat == image_t.PIXEL_FORMAT_MJPEG:
         if not pixels.startswith(b"\xff\xd8"):
             raise MalformedError("a JPEG that is none")
-        source = _source_size(message)
-        if source is None:
-            return Picture(message.utime, pixels, message.width, message.height, None, None)
-        return Picture(message.utime, pixels, message.width, message.height, *source)
+        shrink = _shrink(message)
+        return Picture(
+            message.utime, pixels, message.width, message.height, message.width * shrink, message.height * shrink
+        )
     return encode(_raw(message, pixels), message.utime)
 
 
@@ -77,10 +78,10 @@ def _raw(message: image_t, pixels: bytes) -> NDArray[np.uint8]:
     return np.ascontiguousarray(image[:, :, ::-1] if message.pixelformat == image_t.PIXEL_FORMAT_BGR else image)
 
 
-def _source_size(message: image_t) -> tuple[int, int] | None:
+def _shrink(message: image_t) -> int:
+    """1 unless a preview says otherwise."""
     for entry in message.metadata:
-        if entry.key == _SOURCE_SIZE:
-            width, _, height = bytes(entry.value).decode("ascii", "replace").strip("\0").partition("x")
-            if width.isdecimal() and height.isdecimal() and 0 < int(width) <= 65536 and 0 < int(height) <= 65536:
-                return int(width), int(height)
-    return None
+        factor = bytes(entry.value).decode("ascii", "replace").strip("\0")
+        if entry.key == _SHRINK and factor.isdecimal() and len(factor) < 5 and 1 <= int(factor) <= _MAX_SHRINK:
+            return int(factor)
+    return 1

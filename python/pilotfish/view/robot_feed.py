@@ -236,7 +236,7 @@ class RobotFeed(Feed):
         before = self._rejected_before[0][1] if self._rejected_before else {}
         risen = {name: count - before.get(name, 0) for name, count in self._rejected.items() if name in before}
         picture = self._picture[0] if self._picture else None
-        size = (picture.source_width or picture.width, picture.source_height or picture.height) if picture else None
+        size = (picture.source_width, picture.source_height) if picture else None
         return words.describe(
             status,
             self._latest.get("OBSERVATION"),

@@ -101,7 +101,7 @@ class Watcher:
         header = {
             "utime_us": picture.utime_us,
             "age_s": time.monotonic() - arrival_s,
-            "source_size": [picture.source_width, picture.source_height] if picture.source_width else None,
+            "source_size": [picture.source_width, picture.source_height],
             "overlay": overlay,
         }
         encoded = _dump(header).encode()

@@ -72,7 +72,8 @@ def describe(
         lines.append(f"last measured {_duration(last_seen_s)} ago{_limit(setup)}")
     elif name != "stopped":
         lines.append("not seen since this page has been watching")
-    lines += _of_reason(status["reason"], setup, picture_size)
+    if not status["text"].endswith(")"):  # else it has its numbers
+        lines += _of_reason(status["reason"], setup, picture_size)
     if not detected:
         lines += _of_counters(risen)
     if name == "stopped":

@@ -59,7 +59,7 @@ export class Picture {
     const overlay = this.overlays.get(header.utime_us);
     this.drawn = overlay;
     this.canvas.dataset.tags = overlay ? overlay.tags.map((tag) => tag.id).join(" ") : "";
-    const source = header.source_size ?? overlay?.calibrated_size ?? [bitmap.width, bitmap.height];
+    const source = header.source_size;
     setText(this.caption, `${source[0]} x ${source[1]} px`);
     if (!overlay) {
       setText(this.note, "");
