@@ -64,7 +64,7 @@ def test_stop_resume_and_setpoint_do_what_they_say_and_a_killed_coordinator_is_n
     phone.wait_for_selector("#outcome[data-state=confirmed]")
     assert "would keep 1.25 m at -5.0 deg" in text(phone, "#outcome")
     assert wheels.newest.status == command_t.STATUS_STOPPED  # a setpoint ends no stop
-    page.wait_for_function("document.getElementById('distance').value === '1.25'")
+    page.wait_for_function("() => document.getElementById('distance').value === '1.25'")
 
     page.click("#resume")
     wheels.wait_until(lambda c: c.status == command_t.STATUS_TRACKING, "it was not resumed")
