@@ -138,7 +138,7 @@ def test_a_server_for_others_prints_a_token_and_serves_nothing_without(tmp_path,
         assert (code, server.headers["location"]) == (303, "/")
         cookie = server.headers["set-cookie"]
         assert "HttpOnly" in cookie
-        assert "SameSite=strict" in cookie
+        assert "SameSite=lax" in cookie
         own = cookie.split(";")[0]
         code, page = server.get("/", Cookie=own)
         assert (code, token in page) == (200, True)

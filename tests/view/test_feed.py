@@ -140,7 +140,7 @@ def test_a_counter_that_rises_is_said_in_words():
         feed.take("OBSERVATION", seen_nothing.encode(), 100 + 0.1 * k)
         feed.take("STATUS", with_lists(status(**lost), counters={"tag_foreign_id": 3 * k}).encode(), 100 + 0.1 * k)
     said = state_of(feed, 102.0)["words"]
-    assert said["headline"] == "Lost the leader, standing still"
+    assert said["headline"] == "Lost: standing still"
     assert said["why"] == "no tag of the leader's body in the picture"
     assert "the body has ids 0 to 2" in said["lines"]
     assert "in the last second: 30 x tags the leader does not wear" in said["lines"]
@@ -210,6 +210,14 @@ def test_a_circle_closes():
     # 12.57 s / 90 = 0.14 s, below MAX_STEP_S; the arc formula is exact
     assert math.hypot(pose.x_m, pose.y_m) == pytest.approx(0.0, abs=1e-12)
     assert pose.heading_rad == pytest.approx(2 * math.pi)
+
+
+def test_a_quarter_of_a_circle_to_the_left_ends_as_far_ahead_as_to_the_left():
+    pose = PlanarPose()
+    for _ in range(30):  # r = v / omega = 0.4 m; 90 degrees in pi s
+        pose = pose.moved(0.2, 0.5, math.pi / 30)
+    assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0.4, 0.4, math.pi / 2))
+    assert pose.point_at(1.0, -math.pi / 2) == pytest.approx((1.4, 0.4))  # to its right is along x
 
 
 def test_twists_that_no_robot_can_do_move_nothing():

@@ -109,7 +109,8 @@ def view(
                 if camera is not None and tag_size is not None
                 else _bus_hub(robot, lcm_url, config, fuzzy, key)
             )
-            rules = access.Access(access.new_token(), open_to_others=not access.is_loopback(host))
+            names = access.own_names(host)
+            rules = access.Access(access.new_token(), not access.is_loopback(host), names)
             app = make_app(hub, rules, setup, commander)
             running.serve(app, listening, lambda: _say_where(host, listening.getsockname()[1], rules))
 
@@ -162,11 +163,17 @@ def _bus_hub(
 def _camera_hub(
     camera: str, tag_size: float, camera_file: Path | None, fov_deg: float | None, size: str
 ) -> tuple[Hub, Setup, None]:
+    from pilotfish.errors import PilotfishError
     from pilotfish.view.camera_feed import CameraFeed, open_source
     from pilotfish.view.camera_hub import CameraHub
     from pilotfish.view.setup import default_setup
 
-    source = open_source(camera, camera_file=camera_file, fov_deg=fov_deg, size=size)
+    try:
+        source = open_source(camera, camera_file=camera_file, fov_deg=fov_deg, size=size)
+    except PilotfishError:
+        raise
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
     return CameraHub(CameraFeed(source, tag_size)), default_setup(), None
 
 

@@ -42,10 +42,10 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def own_names() -> frozenset[str]:
-    """What this host is called."""
+def own_names(listens_on: str = "localhost") -> frozenset[str]:
+    """What this host is called, also by whoever started the server."""
     name = socket.gethostname().lower()
-    return frozenset({"localhost", name, name.split(".")[0], f"{name.split('.')[0]}.local"})
+    return frozenset({"localhost", listens_on.lower(), name, name.split(".")[0], f"{name.split('.')[0]}.local"})
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,11 @@ class CameraSource:
 
 
 def open_source(camera: str, *, camera_file: Path | None, fov_deg: float | None, size: str) -> CameraSource:
-    """``camera``: a number, camera:N, images:DIR or video:FILE. Opens it once, so that an error shows at the start."""
+    """``camera``: a number, camera:N, images:DIR or video:FILE. Opens it once, so that an error shows at the start.
+
+    ValueError for words that mean no source or size; ConfigError, MissingFileError or SilentRobotError for what they
+    name.
+    """
     calibration = None
     if camera_file is not None:
         try:
@@ -55,7 +59,7 @@ def open_source(camera: str, *, camera_file: Path | None, fov_deg: float | None,
     elif kind == "video" and where:
         opener = lambda: capture.open_video(where)  # noqa: E731
     else:
-        raise ConfigError(f"--camera {camera}: a camera's number, images:DIR or video:FILE")
+        raise ValueError(f"--camera {camera}: a camera's number, images:DIR or video:FILE")
     try:
         first = opener()
     except capture.CaptureError as error:
@@ -256,4 +260,4 @@ def _size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
     if width.isdecimal() and height.isdecimal() and 16 <= int(width) <= 8192 and 16 <= int(height) <= 8192:
         return int(width), int(height)
-    raise ConfigError(f"--size {text}: WIDTHxHEIGHT in pixels, each from 16 to 8192, e.g. 640x480")
+    raise ValueError(f"--size {text}: WIDTHxHEIGHT in pixels, each from 16 to 8192, e.g. 640x480")

@@ -47,7 +47,8 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
         app,
         ws="websockets-sansio",
         ws_max_size=_MAX_MESSAGE_BYTES,
-        ws_ping_interval=None,  # states are acknowledged twice a second
+        ws_ping_interval=20.0,  # a phone that has left the network does not count as watching for long
+        ws_ping_timeout=20.0,
         ws_per_message_deflate=False,  # costs more than it saves beside JPEGs
         lifespan="on",
         log_level="error",

@@ -70,7 +70,7 @@ class Pages:
         token = self._access.token
         if query_token(request.url.query) is not None and self._access.open_to_others:
             response = self._responses.RedirectResponse("/", status_code=303)
-            response.set_cookie(COOKIE, token, httponly=True, samesite="strict", max_age=7 * 86400)
+            response.set_cookie(COOKIE, token, httponly=True, samesite="lax", max_age=7 * 86400)
             return response
         page = self._template.replace("{{token}}", html.escape(token)).replace("{{server}}", self._instance)
         return self._responses.HTMLResponse(page)

@@ -11,10 +11,10 @@ from pilotfish.view.setup import Setup
 HEADLINES = {
     "searching": ("Searching for the leader", "wait"),
     "tracking": ("Following the leader", "good"),
-    "coasting": ("Coasting: not seen in this picture", "wait"),
-    "lost": ("Lost the leader, standing still", "bad"),
+    "coasting": ("Coasting: not seen", "wait"),
+    "lost": ("Lost: standing still", "bad"),
     "stopped": ("Stopped", "stop"),
-    "invalid_input": ("The pictures cannot be used", "bad"),
+    "invalid_input": ("Pictures unusable", "bad"),
 }
 
 # What a counter counts, for "in the last second: 28 x ...". Names: docs/operating-guide.md, Counters.
@@ -77,7 +77,7 @@ def describe(
     if not detected:
         lines += _of_counters(risen)
     if name == "stopped":
-        lines.append(f"resumed, it would keep {_kept(status)}")
+        lines.append(f"would keep {_kept(status)}")
     return {"headline": headline, "tone": tone, "why": status["text"], "lines": lines}
 
 

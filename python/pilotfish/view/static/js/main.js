@@ -99,11 +99,11 @@ function tick() {
   if (link === "lost") {
     const since = duration((performance.now() - lostMs) / 1e3);
     setText(text, "not connected");
-    headline(problem ? "Waiting for a robot" : "No connection to the server", problem ?? `for ${since}; what is shown is old. To stop the robot: pilotfish stop NAME`, problem ? "wait" : "bad");
+    headline(problem ? "Waiting for a robot" : "Server not reachable", problem ?? `for ${since}; what is shown is old. To stop the robot: pilotfish stop NAME`, problem ? "wait" : "bad");
     return;
   }
   if (link !== "open" || !parts) return;
-  const name = parts.hello.mode === "camera" ? "the camera" : `${parts.hello.robot}'s coordinator`;
+  const name = parts.hello.mode === "camera" ? "the camera" : parts.hello.robot;
   if (live === "live") {
     setText(text, "live");
     if (state.words) parts.numbers.say(state.words);
@@ -111,7 +111,7 @@ function tick() {
   } else if (live === "silent") {
     const age = duration(newestAge());
     setText(text, `silent for ${age}`);
-    headline(`No message from ${name}`, `the newest is ${age} old; what is shown is old`, "bad");
+    headline(`No messages from ${name}`, `the newest is ${age} old; what is shown is old`, "bad");
   } else {
     setText(text, "nothing heard");
     const said = parts.hello.mode === "camera" && state?.words;
