@@ -11,6 +11,8 @@ from PIL import Image
 from test_page import text, wait_for_text
 from web import serving
 
+from camera_robot import leader_camera
+from fake_camera import NUMBER
 from pilotfish import core, data, vision
 from pilotfish.coordinator import load_calibration
 from pilotfish.view.camera_feed import CameraFeed, assumed_camera, open_source
@@ -82,6 +84,20 @@ def test_the_page_shows_a_cameras_tag_and_says_that_its_lens_is_assumed(tmp_path
         assert page.is_hidden("#law-card")
         assert server.post("/api/robots/camera/stop", {})[0] == 404
         assert browser.complaints == []
+
+
+def test_a_usb_camera_is_opened_while_a_page_watches_and_released_afterwards(tmp_path, browser):
+    camera = leader_camera(tmp_path)
+    options = ["--camera", str(NUMBER), "--tag-size", "0.16"]
+    with serving(tmp_path, *options, prefix=camera.prefix()) as server:
+        assert (camera.opens, camera.closes) == (1, 1)  # it was looked whether it can be opened
+        page = browser.open(server.address)
+        page.wait_for_selector("#picture[data-tags='0'], #picture[data-tags='1'], #picture[data-tags='2']")
+        assert (camera.opens, camera.closes) == (2, 1)
+        page.close()
+        server.child.wait_until(lambda: camera.closes == 2, 10.0, "the camera is released")
+        browser.open(server.address)
+        assert (camera.opens, camera.closes) == (3, 2)
 
 
 def test_a_calibration_is_used_instead_of_an_assumption(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -66,9 +66,11 @@ class Server:
 
 
 @contextmanager
-def serving(folder: Path, *options: str | Path, name: str = "view") -> Iterator[Server]:
+def serving(
+    folder: Path, *options: str | Path, name: str = "view", prefix: Sequence[str | Path] = ()
+) -> Iterator[Server]:
     """Until the end of the block."""
-    command = [sys.executable, "-m", "pilotfish", "view", *options]
+    command = [*prefix, sys.executable, "-m", "pilotfish", "view", *options]
     if "--port" not in options:
         command += ["--port", "0"]
     with Child(command, folder, name) as child:

@@ -8,7 +8,7 @@ import functools
 import math
 import threading
 import time
-from collections import Counter
+from collections import Counter, OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +26,7 @@ from pilotfish.view.setup import axes_px
 DEFAULT_FOV_DEG = 60.0
 _IDLE_S = 0.05
 _ENCODE_EVERY_S = 0.05
+_OVERLAYS = 32
 
 
 @dataclass(frozen=True)
@@ -61,13 +62,11 @@ def open_source(camera: str, *, camera_file: Path | None, fov_deg: float | None,
     else:
         raise ValueError(f"--camera {camera}: a camera's number, images:DIR or video:FILE")
     try:
-        first = opener()
+        opener()  # and closed again: it is opened when somebody watches
     except capture.CaptureError as error:
         kind_of_error = SilentRobotError if kind == "camera" else MissingFileError
         raise kind_of_error(str(error)) from error
-    opened = [first]
-    reopen = lambda: opened.pop() if opened else opener()  # noqa: E731
-    return CameraSource(camera, reopen, calibration, fov_deg or DEFAULT_FOV_DEG)
+    return CameraSource(camera, opener, calibration, fov_deg or DEFAULT_FOV_DEG)
 
 
 def assumed_camera(width: int, height: int, fov_deg: float) -> core.CameraModel:
@@ -87,6 +86,7 @@ class CameraFeed(Feed):
         self._camera = source.camera
         self._samples = Samples()
         self._seen: Values | None = None
+        self._overlays: OrderedDict[int, Values] = OrderedDict()  # by the picture's utime
         self._picture: tuple[Picture, float] | None = None
         self._arrived_s: float | None = None
         self._problem = ""
@@ -150,8 +150,7 @@ class CameraFeed(Feed):
 
     def overlay(self, utime_us: int) -> dict[str, Any] | None:
         """As Feed's."""
-        seen = self._seen
-        return seen["overlay"] if seen is not None and seen["utime_us"] == utime_us else None
+        return self._overlays.get(utime_us)
 
     def _words(self) -> dict[str, Any]:
         if self._problem:
@@ -171,6 +170,9 @@ class CameraFeed(Feed):
     def _run(self, loop: asyncio.AbstractEventLoop) -> None:
         """The thread."""
         while not self._stop.is_set():
+            self._wanted.wait()
+            if self._stop.is_set():
+                return
             try:
                 self._play(self._source.open(), loop)
             except (capture.CaptureError, ValueError) as error:
@@ -179,20 +181,16 @@ class CameraFeed(Feed):
                 self._stop.wait(1.0)
 
     def _play(self, frames: capture.FrameSource, loop: asyncio.AbstractEventLoop) -> None:
-        """Until the source ends; a recording begins again."""
+        """Until the source ends, after which it is opened again, or nobody watches: then others may have the camera."""
         tag = OneTag(self._tag_size_m)
         started_s = first_us = encoded_s = last_s = None
-        while not self._stop.is_set():
-            if not self._wanted.is_set():
-                self._wanted.wait()
-                started_s = None
-                continue
+        while self._wanted.is_set() and not self._stop.is_set():
             frame = frames.next()
             if frame is None:
                 if frames.ended:
                     if frames.live:
                         self._problem = frames.why_ended
-                        self._stop.wait(1.0)
+                    self._stop.wait(1.0 if frames.live else _IDLE_S)
                     return
                 self._stop.wait(_IDLE_S / 10)
                 continue
@@ -210,7 +208,7 @@ class CameraFeed(Feed):
                 picture = encode(frame.image, frame.utime)
             period_s = None if last_s is None else now_s - last_s
             last_s = now_s
-            show = functools.partial(self._show, seen | {"overlay": overlay}, picture, period_s, now_s)
+            show = functools.partial(self._show, seen, overlay, picture, period_s, now_s)
             self._post(loop, show)
 
     def _camera_of(self, frame: core.Frame) -> core.CameraModel:
@@ -235,8 +233,14 @@ class CameraFeed(Feed):
         with contextlib.suppress(RuntimeError):  # the loop has just been closed
             loop.call_soon_threadsafe(call)
 
-    def _show(self, seen: Values, picture: Picture | None, period_s: float | None, now_s: float) -> None:
+    def _show(
+        self, seen: Values, overlay: Values, picture: Picture | None, period_s: float | None, now_s: float
+    ) -> None:
         """On the event loop's thread."""
+        self._overlays[seen["utime_us"]] = overlay
+        self._overlays.move_to_end(seen["utime_us"])
+        while len(self._overlays) > _OVERLAYS:
+            self._overlays.popitem(last=False)
         self._problem = ""
         self._arrived_s = now_s
         self._seen = seen

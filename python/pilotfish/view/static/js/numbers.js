@@ -48,10 +48,19 @@ function wheels({ base }, name) {
   return base.measured ? `measured ${signed(base[`measured_${name}`], 3)}` : `wheels ${signed(base[name], 3)}`;
 }
 
+// All zero in a status of a frame in which the law did not run.
+function drive({ status }) {
+  if (!status || (!status.drive_latency_s && !status.drive_lag_s)) return null;
+  return {
+    latency: milli(status.drive_latency_s), latencySigma: milli(status.drive_latency_sigma_s),
+    lag: milli(status.drive_lag_s), lagSigma: milli(status.drive_lag_sigma_s),
+  };
+}
+
 const LOOP_TILES = [
   ["command latency", "ms", (s) => number(milli(s.status?.latency_s), 1), (s) => (s.status?.latency_from_exposure ? "from exposure" : "from arrival"), "latency"],
-  ["wheels' latency", "ms", (s) => number(milli(s.status?.drive_latency_s), 0), (s) => `± ${number(milli(s.status?.drive_latency_sigma_s), 0)} ms`, "drive-latency"],
-  ["wheels' lag", "ms", (s) => number(milli(s.status?.drive_lag_s), 0), (s) => `± ${number(milli(s.status?.drive_lag_sigma_s), 0)} ms`, "drive-lag"],
+  ["wheels' latency", "ms", (s) => number(drive(s)?.latency, 0), (s) => (drive(s) ? `± ${number(drive(s).latencySigma, 0)} ms` : ""), "drive-latency"],
+  ["wheels' lag", "ms", (s) => number(drive(s)?.lag, 0), (s) => (drive(s) ? `± ${number(drive(s).lagSigma, 0)} ms` : ""), "drive-lag"],
   ["feed-forward", "%", (s) => number((s.status?.feed_forward_weight ?? NaN) * 100, 0), (s) => (s.status?.feed_forward_weight > 0 ? `leader ${signed(s.status.leader_radial_mps, 2)} m/s` : ""), "feed-forward"],
   ["missed deadlines", "", (s) => `${s.status?.missed_deadlines ?? "–"}`, () => "", "missed"],
   ["wheels' process", "", (s) => s.base?.state ?? "none", (s) => s.base?.text ?? "", "base"],
