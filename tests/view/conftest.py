@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from web import ARGUMENTS, CHROMIUM, serving
+from view_server import ARGUMENTS, CHROMIUM, serving
 
 from pilotfish import data
 from pilotfish.harness.ports import private_lcm_url

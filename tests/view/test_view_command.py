@@ -10,7 +10,7 @@ import sys
 
 import pytest
 from typer.testing import CliRunner
-from web import serving
+from view_server import serving
 
 from pilotfish import data
 from pilotfish.cli import app

@@ -6,8 +6,8 @@ from contextlib import ExitStack
 
 import lcm
 import pytest
-from test_page import text, wait_for_text
-from web import serving
+from test_view_page import text, wait_for_text
+from view_server import serving
 
 from pilotfish import data
 from pilotfish.harness.child import Child

@@ -17,7 +17,7 @@ from robot_on_bus import (
     status,
     with_lists,
 )
-from web import serving
+from view_server import serving
 
 from pilotfish.lcmtypes.pilotfish import command_t
 
