@@ -83,16 +83,16 @@ def view(
     """Watch and stop a robot in a browser: picture, tags, errors, commands, rules, timings, counters.
 
     The page has a STOP button (also the space bar or Escape), resume and setpoint; each is sent until the robot
-    confirms it. It listens on this computer alone unless --host says otherwise, works without internet, and costs the
-    robot nothing: while no page is open, nothing is decoded.
+    confirms it. It listens on this computer alone unless --host says otherwise, and works without internet. While no
+    page is open, nothing is decoded.
 
     \b
     Examples
-      pilotfish view                                   whatever robot is on the bus
+      pilotfish view                                whatever robot is on the bus
       pilotfish view robot1 --config data/config/line.yaml
-      pilotfish view robot1 --host 0.0.0.0 --key robot1.key    from a phone; prints an address with a token
-      pilotfish view --camera 0 --tag-size 0.16        any camera and one printed tag, uncalibrated
-      pilotfish view --camera images:out/pictures --tag-size 0.16 --camera-file data/calibrations/sim_640x480.yaml
+      pilotfish view robot1 --host 0.0.0.0 --key robot1.key    from a phone
+      pilotfish view --camera 0 --tag-size 0.16     one printed tag, uncalibrated
+      pilotfish view --camera 0 --tag-size 0.16 --camera-file camera.yaml
     """
     with friendly_errors():
         _check_combination(robot, lcm_url, config, key, camera, tag_size, camera_file, fov_deg)
