@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import os
 import secrets
+import threading
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -73,6 +74,12 @@ class Operator:
         self._statuses = self._bases = 0
         self._rejected: dict[str, int] = {}
         self._counter = 0
+        self._cancelled = threading.Event()
+
+    def cancel(self) -> None:
+        """From another thread: nothing but stops is sent from now on, because a resume that is still being sent must
+        not end a stop that was asked for behind it."""
+        self._cancelled.set()
 
     def listen(self, within_s: float = WITHIN_S) -> StatusReport:
         """The next status."""
@@ -147,6 +154,8 @@ class Operator:
             # Another operator has sent a setpoint as well: to ask once more could end a stop.
             if self._stopped_since(before) or (first is not None and self._accepted(first)):
                 raise OperatorError(f"{self.robot} has received another setpoint in between; {self._says()}")
+            if self._cancelled.is_set():
+                raise OperatorError(f"cancelled before {self.robot} confirmed it; {self._says()}")
             counter = self._send(setpoint)
             first = first or counter
             self._wait(shows_it, _SEND_EVERY_S)

@@ -1,5 +1,7 @@
 """The command line: ``pilotfish experiment | render | plot | replay | report | export | learn-body | tune | fuzzy |
 demo``, and for a robot that runs ``stop | resume | setpoint | key | doctor``."""
+"""The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``, and for a
+robot that runs ``stop | resume | setpoint | view | key | doctor``."""
 
 from __future__ import annotations
 
@@ -24,6 +26,7 @@ from pilotfish.cli.replay import replay
 from pilotfish.cli.report import report
 from pilotfish.cli.tags import tags
 from pilotfish.cli.tune import tune
+from pilotfish.cli.view import view
 
 app = typer.Typer(
     name="pilotfish",
@@ -34,7 +37,7 @@ app = typer.Typer(
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
+for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor, view):
     app.command()(command)
 for command in (report, export):
     app.command()(command)

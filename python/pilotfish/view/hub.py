@@ -1,0 +1,85 @@
+"""The feeds of one server, by name: robots on the bus as they are heard of."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+
+from pilotfish.view.feed import Feed
+from pilotfish.view.listener import Listener
+from pilotfish.view.robot_feed import KINDS, PICTURE_KINDS, RobotFeed
+from pilotfish.view.setup import Setup
+
+MAX_ROBOTS = 16
+_CHANNEL = re.compile(rf"([A-Z0-9_]{{1,40}})_({'|'.join((*KINDS, *PICTURE_KINDS))})")
+
+
+class Hub:
+    """One feed, or robots that appear."""
+
+    def __init__(self, feeds: list[Feed]) -> None:
+        self.feeds: dict[str, Feed] = {feed.name: feed for feed in feeds}
+
+    def names(self) -> list[str]:
+        """In alphabetical order."""
+        return sorted(self.feeds)
+
+    def find(self, name: str) -> Feed | None:
+        """That one; the first one if it is not named."""
+        if name:
+            return self.feeds.get(name)
+        return self.feeds[self.names()[0]] if self.feeds else None
+
+    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Begins to receive."""
+
+    def stop(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Ends that."""
+
+
+class BusHub(Hub):
+    """Listens to one bus. ``robot`` empty: whatever sends a status or a command becomes a feed, MAX_ROBOTS at most."""
+
+    def __init__(self, url: str, robot: str, setup: Setup) -> None:
+        super().__init__([RobotFeed(robot, setup)] if robot else [])
+        self._setup, self._discovers = setup, not robot
+        self._by_channel: dict[str, RobotFeed] = {}
+        self._listener = Listener(url, self._wanted, self._on_message)
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """Datagrams that were no message, by kind."""
+        return dict(self._listener.reassembly.refused)
+
+    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+        """As Hub's."""
+        self._listener.start(loop)
+
+    def stop(self, loop: asyncio.AbstractEventLoop) -> None:
+        """As Hub's."""
+        self._listener.stop(loop)
+
+    def _wanted(self, channel: str) -> bool:
+        feed, kind = self._feed_of(channel)
+        return feed is not None and feed.wants(kind)
+
+    def _on_message(self, channel: str, data: bytes, arrival_s: float) -> None:
+        feed, kind = self._feed_of(channel)
+        if feed is not None:
+            feed.take(kind, data, arrival_s)
+
+    def _feed_of(self, channel: str) -> tuple[RobotFeed | None, str]:
+        kind = channel.rpartition("_")[2]
+        if channel in self._by_channel:
+            return self._by_channel[channel], kind
+        match = _CHANNEL.fullmatch(channel)
+        if match is None:
+            return None, kind
+        name = match[1].lower()
+        feed = next((feed for own, feed in self.feeds.items() if own.lower() == name), None)
+        if feed is None and self._discovers and kind in ("STATUS", "COMMAND") and len(self.feeds) < MAX_ROBOTS:
+            feed = self.feeds[name] = RobotFeed(name, self._setup)
+        if isinstance(feed, RobotFeed):
+            self._by_channel[channel] = feed
+            return feed, kind
+        return None, kind

@@ -1,0 +1,80 @@
+"""Runs the application on a socket of its own until SIGINT or SIGTERM."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import signal
+import socket
+from collections.abc import Callable
+from typing import Any
+
+from pilotfish.errors import SilentRobotError
+from pilotfish.extras import require
+
+_GRACE_S = 1
+_MAX_MESSAGE_BYTES = 1024  # from a page: acknowledgements
+
+
+def open_socket(host: str, port: int) -> socket.socket:
+    """A listening socket; SilentRobotError with what to do if there is none to be had. port 0: any."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        with contextlib.ExitStack() as on_error:
+            listening = on_error.enter_context(socket.socket(family, socket.SOCK_STREAM))
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listening.bind(address)
+            listening.listen(64)
+            on_error.pop_all()
+    except socket.gaierror as error:
+        raise SilentRobotError(f"--host {host}: {error.strerror}; use an address of this host") from error
+    except OSError as error:
+        remedy = {
+            errno.EADDRINUSE: "another program listens there; choose another --port, or 0 for any that is free",
+            errno.EADDRNOTAVAIL: "this host has no such address; 0.0.0.0 is all that it has",
+            errno.EACCES: "ports below 1024 are root's; choose another --port",
+        }.get(error.errno or 0, error.strerror)
+        raise SilentRobotError(f"cannot listen on {host} port {port}: {remedy}") from error
+    return listening
+
+
+def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> None:
+    """Returns after SIGINT or SIGTERM; ``on_ready`` is called once pages can be opened."""
+    uvicorn = require("uvicorn", "view")
+    require("websockets", "view")
+    config = uvicorn.Config(
+        app,
+        ws="websockets-sansio",
+        ws_max_size=_MAX_MESSAGE_BYTES,
+        ws_ping_interval=20.0,  # a phone that has left the network does not count as watching for long
+        ws_ping_timeout=20.0,
+        ws_per_message_deflate=False,  # costs more than it saves beside JPEGs
+        lifespan="on",
+        log_level="error",
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=_GRACE_S,
+    )
+
+    class Server(uvicorn.Server):  # type: ignore[name-defined, misc]
+        async def startup(self, sockets: Any = None) -> None:
+            await super().startup(sockets)
+            if self.started:
+                on_ready()
+
+    async def run() -> None:
+        server = Server(config)
+        loop = asyncio.get_running_loop()
+
+        def end() -> None:
+            server.force_exit = server.should_exit  # asked twice: at once
+            server.should_exit = True
+
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, end)
+        await server._serve(
+            [listening]
+        )  # without uvicorn's own handling of signals, which raises them again at the end
+
+    asyncio.run(run())
