@@ -19,6 +19,7 @@ from pilotfish.cli.operate import key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
+from pilotfish.cli.top import top
 from pilotfish.cli.tune import tune
 
 app = typer.Typer(
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
     app.command()(command)
+app.command()(top)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
 
