@@ -10,12 +10,14 @@ import typer
 
 from pilotfish import __version__
 from pilotfish.cli import console
+from pilotfish.cli.data import data
 from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.fuzzy import app as fuzzy_app
+from pilotfish.cli.init import init
 from pilotfish.cli.learn_body import learn_body
-from pilotfish.cli.operate import key_app, resume, setpoint, stop
+from pilotfish.cli.operate import go, key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
@@ -33,7 +35,8 @@ app = typer.Typer(
 )
 for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
     app.command()(command)
-app.command()(top)
+for command in (go, top, init, data):
+    app.command()(command)
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
 
