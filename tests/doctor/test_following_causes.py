@@ -92,7 +92,7 @@ def test_a_counter_that_does_not_rise_is_not_shown():
 
 def test_a_restart_counts_from_0():
     """2 in the old session (5 to 7), then 4 in the new one."""
-    before, after = [status(pose=5), status(pose=7)], [status(session=8), status(session=8, pose=4)]
+    before, after = [status(pose=5), status(pose=7)], [status(session=8, pose=1), status(session=8, pose=4)]
     assert risen(before + after) == {"pose": 6}
 
 
@@ -201,6 +201,18 @@ def test_a_distance_that_shrinks_is_following():
 def test_the_steady_state_error_of_the_paper_s_law_is_following():
     """0.167 m at 0.2 m/s, as published (README)."""
     assert names(watched(status(error_m=-0.167), command(linear_mps=0.2))) == []
+
+
+def test_how_much_is_too_far_grows_with_the_distance_to_keep():
+    """A quarter of 2 m is 0.5 m: 0.45 m is following there, and is not at 1 m, where 0.3 m are allowed."""
+
+    def kept_at(wanted_m):
+        message = status(error_m=-0.45)
+        message.setpoint_distance_m = wanted_m
+        return watched(message, command(linear_mps=0.4))
+
+    assert names(kept_at(2.0)) == []
+    assert names(kept_at(1.0)) == ["distance_error"]
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,7 @@ def test_a_scenario_of_one_s_own_can_be_played(tmp_path):
     words = ["experiment", tmp_path / "my_line.yaml", "--in-process", "--duration-s", "0.5", "--profile", "paper"]
     result, said = run(*words)
     assert result.exit_code == 0, said
-    assert "My line (paper)" in said
+    assert "My line" in said and "(paper)" in said
 
 
 def test_a_scenario_without_a_nonideal_robot_names_those_that_have_one():

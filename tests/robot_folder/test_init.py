@@ -28,7 +28,7 @@ def run(*arguments):
 
 @pytest.fixture
 def folder(tmp_path):
-    create("robot7", tmp_path / "a robot", Options(user="nobody"))
+    create("robot7", tmp_path / "a robot", Options(user="daemon"))
     return tmp_path / "a robot"
 
 
@@ -104,7 +104,7 @@ def test_the_coordinator_runs_in_it_on_rendered_pictures_from_anywhere(folder, t
 def test_the_base_starts_with_its_configuration(folder, tmp_path):
     words = [find_executable(BASE), "--config", folder / "base.yaml", "--lcm-url", "memq://"]
     with Child(words, tmp_path, "base") as base:
-        base.wait_until(lambda: "wheels of robot7: dry_run" in base.stderr() + base.stdout(), 20, "being ready")
+        base.wait_until(lambda: "wheels of robot7: dry run" in base.stderr() + base.stdout(), 20, "being ready")
 
 
 # --- units ------------------------------------------------------------------------------------------------------------
@@ -148,9 +148,9 @@ def test_words_with_a_meaning_to_systemd_are_escaped():
 
 
 def test_the_services_run_as_who_was_asked_for(tmp_path):
-    """Every system has the user nobody; its group has another name on each."""
-    unit = planned("r", tmp_path, Options(user="nobody"))["systemd/pilotfish-r-base.service"]
-    assert "User=nobody\n" in unit
+    """Every system has the user daemon."""
+    unit = planned("r", tmp_path, Options(user="daemon"))["systemd/pilotfish-r-base.service"]
+    assert "User=daemon\n" in unit
     assert "@" not in re.sub(r"#.*|SystemCallFilter=.*", "", unit)
 
 

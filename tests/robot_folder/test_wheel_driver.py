@@ -13,7 +13,7 @@ from pilotfish.harness.ports import private_lcm_url
 
 FILE = data.path("robot/wheel_driver.py")
 VALID_US = 10**15
-DRIVES, STANDS = core.Twist(0.3, 0.1), core.Twist()
+DRIVES, STANDS = core.Twist(linear_mps=0.3, angular_radps=0.1), core.Twist()
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def wheels(driver):
 
 
 def command(counter, *, session=7, twist=DRIVES, valid_until_us=VALID_US, simulated=False):
-    report = bus.CommandReport(session=session, counter=counter, valid_until_us=valid_until_us)
+    report = bus.CommandReport(utime=0, session=session, counter=counter, valid_until_us=valid_until_us)
     report.command, report.simulated = twist, simulated
     return report
 

@@ -8,13 +8,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
-from rich.text import Text
 
 from pilotfish.cli.console import console, friendly_errors, warn
-
-
-_WHOLE_LINES = 400
 
 
 def data(
@@ -56,20 +51,16 @@ def data(
 
 
 def _print(files: list[Path], root: Path) -> None:
-    """Cut off to the width of a terminal; whole lines for everybody else."""
-    console.print(_table(files, root), width=None if console.is_terminal else _WHOLE_LINES, crop=console.is_terminal)
-
-
-def _table(files: list[Path], root: Path) -> Table:
-    """A line each; cut off at the end where the terminal is too narrow."""
+    """A line each; cut off to the width of a terminal, whole for everybody else."""
     from pilotfish.data import describe
 
-    table = Table.grid(padding=(0, 2))
-    table.add_column(no_wrap=True, min_width=max(len(str(file.relative_to(root))) for file in files))
-    table.add_column(no_wrap=True, overflow="ellipsis")
-    for file in files:
-        table.add_row(Text(str(file.relative_to(root))), Text(describe(file), style="dim"))
-    return table
+    names = [str(file.relative_to(root)) for file in files]
+    width = max(map(len, names))
+    for name, file in zip(names, files, strict=True):
+        line = f"{name:<{width}}  {describe(file)}"
+        if console.is_terminal and len(line) > console.width:
+            line = line[: console.width - 1] + "\u2026"
+        typer.echo(line)
 
 
 def _copy(source: Path, target: Path) -> list[Path]:
