@@ -1,5 +1,6 @@
 """A machine made of a few files, for the checks to look at."""
 
+import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -46,3 +47,9 @@ def machine(tmp_path):
         return FakeHost(tmp_path, answers, frozenset(closed))
 
     return make
+
+
+@pytest.fixture
+def said():
+    """The answer of a program."""
+    return lambda returncode, stdout="", stderr="": subprocess.CompletedProcess([], returncode, stdout, stderr)

@@ -1,17 +1,21 @@
 """``pilotfish doctor --following`` beside the real programs: the cause that is named is the one that was made."""
 
+import itertools
 import json
 import signal
 import subprocess
 import sys
+import threading
+import time
 
 import pytest
 from following_robot import WatchedRobot, edited_config, half_size_calibration, with_other_ids
 
-from pilotfish import data
+from pilotfish import bus, core, data
 from pilotfish.doctor import following
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.operating import Operator, new_key
+from scenes import leader_pictures
 
 
 def doctor(url, *arguments, robot="robot1", seconds=2):
@@ -90,6 +94,30 @@ def test_a_wrong_frame_size_is_told_with_both_sizes(robot, tmp_path):
     said = doctor(robot.url)
     assert names(said) == ["frame_size"]
     assert "the images are 640x480, the calibration is 320x240" in said["causes"][0]["what"]
+
+
+def test_pictures_that_are_an_hour_old_are_told_with_their_age(robot):
+    robot.coordinator()
+    over = threading.Event()
+
+    def play():
+        sender = bus.Bus(robot.url)
+        pictures = leader_pictures(30)
+        for k in itertools.count():
+            utime = time.time_ns() // 1000 - 3_600_000_000
+            sender.publish_image("ROBOT1_IMAGE", core.Frame(pictures[k % 30].image, utime=utime))
+            if over.wait(1 / 30):
+                return
+
+    player = threading.Thread(target=play)
+    player.start()
+    try:
+        said = doctor(robot.url)
+    finally:
+        over.set()
+        player.join()
+    assert names(said)[0] == "too_old"
+    assert "3600 s old" in said["causes"][0]["what"]
 
 
 def test_without_a_coordinator_the_bus_and_the_way_to_start_one_are_told():

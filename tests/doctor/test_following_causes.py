@@ -235,6 +235,19 @@ def test_what_cannot_be_decoded_is_counted_and_crashes_nothing(cut):
     assert "ROBOT1_COMMAND (1)" in cause.what
 
 
+def test_the_service_that_ended_is_named_with_its_exit_code(machine, said):
+    def systemctl(command):
+        if "robot1-coordinator" in command[2]:  # of pilotfish init
+            return said(0, "LoadState=loaded\nActiveState=failed\nExecMainStatus=78\n")
+        return said(0, "LoadState=not-found\nActiveState=inactive\nExecMainStatus=0\n")
+
+    (cause,) = no_coordinator(Watched("robot1", 1.0), "memq://", [], machine(systemctl=systemctl))
+    assert cause.name == "no_coordinator"
+    assert "its service pilotfish-robot1-coordinator is failed, last exit code 78" in cause.what
+    (cause,) = no_coordinator(Watched("robot1", 1.0), "memq://", [], machine())
+    assert "service" not in cause.what
+
+
 def test_foreign_channels_are_none_of_ours():
     assert parse("HELLO", b"", 0.0) is None
     assert parse("_STATUS", b"", 0.0) is None

@@ -165,6 +165,22 @@ def test_the_table_is_sorted_by_keys_and_the_selected_robot_stays_selected(url):
         on_screen(app, scenario)
 
 
+def test_a_robot_that_appears_above_the_selected_one_does_not_take_its_place(url):
+    """Else `s` would stop another robot than the one that was chosen."""
+    app = TopApp(url)
+
+    async def scenario(pilot):
+        await until(pilot, lambda: len(rows(app)) == 2, "two robots")
+        await pilot.press("down")
+        assert app.selected == "c"
+        speaker.messages["A_STATUS"] = status()
+        await until(pilot, lambda: len(rows(app)) == 3, "the third robot")
+        assert app.selected == "c"
+
+    with Speaker(url, B_STATUS=status(), C_STATUS=status()) as speaker:
+        on_screen(app, scenario)
+
+
 def test_s_stops_the_selected_robot_and_no_other_and_asks_nothing(url):
     app = TopApp(url)
 

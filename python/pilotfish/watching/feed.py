@@ -6,6 +6,7 @@ any channel. What cannot be decoded becomes a Message of the kind ``unreadable``
 
 from __future__ import annotations
 
+import os
 import struct
 import time
 from collections.abc import Callable, Iterator
@@ -85,8 +86,6 @@ class Feed:
     this host's)."""
 
     def __init__(self, url: str, on_message: Callable[[Message], None], channels: str = ".*") -> None:
-        import os
-
         import lcm
 
         self.url = url or os.environ.get("LCM_DEFAULT_URL") or DEFAULT_URL

@@ -56,13 +56,13 @@ def _start(robot: str) -> str:
 
 
 def _service(host: Host, robot: str) -> str:
-    unit = f"pilotfish-coordinator@{robot}"
-    shown = host.run(["systemctl", "show", unit, "--property=LoadState,ActiveState,ExecMainStatus"])
-    if shown is None or shown.returncode != 0:
-        return ""
-    values = dict(line.partition("=")[::2] for line in shown.stdout.splitlines())
-    if values.get("LoadState") != "loaded":
-        return ""
-    return (
-        f"; its service is {values.get('ActiveState', 'unknown')}, last exit code {values.get('ExecMainStatus', '?')}"
-    )
+    """Of the Debian package, or of `pilotfish init`."""
+    for unit in (f"pilotfish-coordinator@{robot}", f"pilotfish-{robot}-coordinator"):
+        shown = host.run(["systemctl", "show", unit, "--property=LoadState,ActiveState,ExecMainStatus"])
+        if shown is None or shown.returncode != 0:
+            continue
+        values = dict(line.partition("=")[::2] for line in shown.stdout.splitlines())
+        active, code = values.get("ActiveState", "unknown"), values.get("ExecMainStatus", "0")
+        if values.get("LoadState") == "loaded" and (active != "inactive" or code != "0" or "@" not in unit):
+            return f"; its service {unit} is {active}, last exit code {code}"
+    return ""
