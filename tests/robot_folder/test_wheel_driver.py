@@ -100,12 +100,12 @@ def test_the_program_obeys_real_messages_stops_by_itself_and_when_it_ends(tmp_pa
             nonlocal counter
             counter += 1
             sender.publish_command("robot7", command(counter, valid_until_us=core.monotonic_now_us() + 80_000))
-            return "v = +0.300 m/s, w = +0.100 rad/s" in child.stdout()
+            return child.stdout().strip().endswith("v = +0.300 m/s, w = +0.100 rad/s")
 
         child.wait_until(driving, 20, "driving")
         standing = "v = +0.000 m/s, w = +0.000 rad/s"
         child.wait_until(lambda: child.stdout().strip().endswith(standing), 20, "standing, without a command")
-        driving()
+        child.wait_until(driving, 20, "driving again")
         child.process.send_signal(signal.SIGTERM)
         assert child.process.wait(20) == 0
         assert child.stdout().strip().endswith(standing)
