@@ -1,16 +1,18 @@
 """What the messages of a watch add up to, and which cause is named: on messages made here, without a bus."""
 
 import math
+import shutil
+import subprocess
 
 import pytest
 
-from pilotfish import core
+from pilotfish import core, data
 from pilotfish.doctor.following import judge
 from pilotfish.doctor.following.advice import BASE_COUNTERS, REASONS
 from pilotfish.doctor.following.cause import ids_text
 from pilotfish.doctor.following.evidence import collect, risen
 from pilotfish.doctor.following.no_coordinator import no_coordinator
-from pilotfish.doctor.following.setup import Process, Setup, find_setup
+from pilotfish.doctor.following.setup import Process, Setup, find_setup, running_coordinators
 from pilotfish.doctor.following.watch import Watched
 from pilotfish.doctor.host import Host
 from pilotfish.harness.ports import private_lcm_url
@@ -260,7 +262,39 @@ def test_a_process_says_its_options_in_both_spellings(tmp_path):
         "robot2",
         None,
     )
-    assert find_setup("robot2", [process]) is None  # its file is not there
+    assert find_setup("robot2", process.lcm_url, [process]) is None  # its file is not there
+
+
+def test_only_a_coordinator_of_that_name_on_that_bus_says_what_is_set(tmp_path):
+    """Two robots of one name on two buses of one host; options of the URL do not make another bus."""
+
+    def process(pid, config, *options, default_url=""):
+        file = str(data.path(f"config/{config}.yaml"))
+        return Process(pid, ("pilotfish-coordinator", "--config", file, *options), tmp_path, default_url)
+
+    one, two = "udpm://239.255.76.67:7701?ttl=0", "udpm://239.255.76.67:7702?ttl=0"
+    processes = [
+        process(1, "circle", "--lcm-url", one),
+        process(2, "second", "--lcm-url", two),  # of robot2
+        process(3, "line", default_url=two),
+        process(4, "coordinator"),
+    ]
+    found = {url: find_setup("Robot1", url, processes) for url in (one, f"{two}&recv_buf_size=9", "udpm://", "memq://")}
+    assert [setup.file.stem if setup else None for setup in found.values()] == ["circle", "line", "coordinator", None]
+
+
+def test_a_real_process_says_its_bus(tmp_path):
+    words = ["sleep", "60"]
+    environment = {"LCM_DEFAULT_URL": "udpm://239.255.76.67:7703?ttl=0"}
+    (tmp_path / "pilotfish-coordinator").symlink_to(shutil.which("sleep"))
+    words[0] = str(tmp_path / "pilotfish-coordinator")
+    with subprocess.Popen(words, env=environment, cwd=tmp_path) as process:
+        try:
+            (own,) = [found for found in running_coordinators(Host()) if found.pid == process.pid]
+        finally:
+            process.kill()
+    assert own.lcm_url == environment["LCM_DEFAULT_URL"]
+    assert own.folder == tmp_path
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def diagnose(
     setup = load_setup(config, robot) if config else None
     watched = watch_robot(robot, url, seconds, on_time)
     processes = running_coordinators(host)
-    setup = setup or find_setup(robot, processes)
+    setup = setup or find_setup(robot, url, processes)
     if not watched.statuses and not watched.commands:
         return Diagnosis(robot, seconds, url, no_coordinator(watched, url, processes, host), [], None, setup, None)
     return judge(watched, url, setup)

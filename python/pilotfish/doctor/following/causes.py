@@ -27,8 +27,9 @@ def causes(
 
     Needs a coordinator that was heard: what there is without one is said in no_coordinator.py.
     """
-    found = [*_senders(robot, seen), *_stopped(robot, seen)]
-    if not seen.rivals:  # two coordinators send zeros, whatever they see
+    found = _senders(robot, seen)
+    if not found:  # two coordinators send zeros, whatever they see; one that is gone sees nothing any more
+        found += _stopped(robot, seen)
         found += what_it_sees(robot, seen, setup, in_view)
     held = held_share(seen)
     blocking, notes = what_the_wheels_do(robot, seen)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pilotfish.doctor.host import Host
+from pilotfish.doctor.network import DEFAULT_URL, group_of
 from pilotfish.errors import ConfigError
 
 
@@ -43,6 +44,7 @@ class Process:
     pid: int
     words: tuple[str, ...]  # its command line
     folder: Path  # its working directory
+    default_url: str = ""  # $LCM_DEFAULT_URL, as far as this user may read it
 
     def option(self, name: str) -> str | None:
         """The value of ``--name VALUE`` or ``--name=VALUE``."""
@@ -52,6 +54,11 @@ class Process:
             if word.startswith(f"{name}="):
                 return word.partition("=")[2]
         return None
+
+    @property
+    def lcm_url(self) -> str:
+        """The bus it is on."""
+        return self.option("--lcm-url") or self.default_url or DEFAULT_URL
 
     def __str__(self) -> str:
         return f"process {self.pid}: {shlex.join(self.words)}"
@@ -86,15 +93,32 @@ def running_coordinators(host: Host) -> list[Process]:
         try:
             words = tuple(word.decode(errors="replace") for word in file.read_bytes().split(b"\0") if word)
             if words and Path(words[0]).name == "pilotfish-coordinator":
-                found.append(Process(int(file.parent.name), words, (file.parent / "cwd").resolve()))
+                folder = (file.parent / "cwd").resolve()
+                found.append(Process(int(file.parent.name), words, folder, _default_url(file.parent / "environ")))
         except (OSError, ValueError):
             continue  # it has ended in between
     return sorted(found, key=lambda process: process.pid)
 
 
-def find_setup(robot: str, processes: list[Process]) -> Setup | None:
-    """Of the running coordinator of that name; None if there is none, or its files cannot be read here."""
+def _default_url(environment: Path) -> str:
+    try:
+        words = environment.read_bytes().split(b"\0")
+    except OSError:
+        return ""  # another user's
+    return next((word[16:].decode(errors="replace") for word in words if word.startswith(b"LCM_DEFAULT_URL=")), "")
+
+
+def same_bus(url: str, other: str) -> bool:
+    """Whether messages go from one to the other: by group and port; options such as ttl do not separate."""
+    group = group_of(url)
+    return group == group_of(other) if group else url == other
+
+
+def find_setup(robot: str, url: str, processes: list[Process]) -> Setup | None:
+    """Of the running coordinator of that name on that bus; None if there is none, or its files cannot be read here."""
     for process in processes:
+        if not same_bus(process.lcm_url, url):
+            continue
         config = process.option("--config")
         if config is None:
             continue
