@@ -28,6 +28,12 @@ class MissingFileError(PilotfishError, FileNotFoundError):
     exit_code = 66
 
 
+class ExistsError(PilotfishError, FileExistsError):
+    """Something stands where something new is to be written; the message says what to do. Nothing was overwritten."""
+
+    exit_code = 74
+
+
 class ExecutableNotFoundError(PilotfishError, FileNotFoundError):
     """A program of ours that is nowhere; the message lists where it was looked for."""
 

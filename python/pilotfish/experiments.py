@@ -1,4 +1,4 @@
-"""The source paper's two experiments: as data, as a run, as a table."""
+"""The source paper's two experiments, and every other shipped scenario: as data, as a run, as a table."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.table import Table
 
 from pilotfish import data
+from pilotfish.errors import MissingFileError
 from pilotfish.harness.run import OnProgress, Run
 from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import Metrics, evaluate
@@ -19,30 +20,51 @@ TRANSPORTS = ("lcm", "in-process")
 
 @dataclass(frozen=True)
 class Experiment:
-    """What the paper says about one of its experiments, and the scenario that replays it."""
+    """A scenario to be played, and what the paper says of it if it is one of its own."""
 
     name: str
     title: str
-    figure: str
-    scenario_file: str  # below data/
-    initial_distance_m: float
-    distance_setpoint_m: float
-    bearing_setpoint_deg: float
+    figure: str  # of the paper; empty: none
+    scenario_file: str  # below data/, or a path of one's own
+    initial_distance_m: float | None = None
+    distance_setpoint_m: float | None = None
+    bearing_setpoint_deg: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Title, and figure where there is one: "Leader on a line (Fig. 6)"."""
+        return f"{self.title} ({self.figure})" if self.figure else self.title
 
     def scenario(self) -> Scenario:
         """The Scenario, read anew. ValueError names the key at fault."""
-        return Scenario.load(data.path(self.scenario_file))
+        file = Path(self.scenario_file)
+        return Scenario.load(file if file.is_absolute() else data.path(self.scenario_file))
 
     def on_nonideal_robot(self) -> Experiment:
         """The same with a non-ideal robot and camera (data/hardware/nonideal.yaml), whose errors are not in the
         coordinator's configuration."""
         name = f"{self.name}_nonideal"
+        if name not in data.scenarios():
+            have = [known for known in data.scenarios() if f"{known}_nonideal" in data.scenarios()]
+            raise MissingFileError(
+                f"there is no {self.name} with a non-ideal robot; there are: {', '.join(have)}. For one of your own: "
+                "a copy of the scenario with `hardware: ../hardware/nonideal.yaml` at its robot (see line_nonideal)"
+            )
         return replace(self, name=name, title=f"{self.title}, non-ideal robot", scenario_file=f"scenarios/{name}.yaml")
 
 
 LINE = Experiment("line", "Leader on a line", "Fig. 6", "scenarios/line.yaml", 2.44, 1.10, -10.0)
 CIRCLE = Experiment("circle", "Leader on a circle", "Fig. 7", "scenarios/circle.yaml", 1.96, 0.65, 0.0)
 EXPERIMENTS = {experiment.name: experiment for experiment in (LINE, CIRCLE)}
+
+
+def experiment_of(name: str | Path) -> Experiment:
+    """The experiment of a shipped scenario's name, or of a scenario file. MissingFileError lists the names."""
+    if str(name) in EXPERIMENTS:
+        return EXPERIMENTS[str(name)]
+    own = Path(name)
+    file = own.resolve() if own.is_file() or len(own.parts) > 1 else data.scenario(str(name))
+    return Experiment(file.stem, file.stem.replace("_", " ").capitalize(), "", str(file))
 
 
 @dataclass(frozen=True)
@@ -66,11 +88,34 @@ def run_experiment(
     duration_s: float | None = None,
     on_progress: OnProgress | None = None,
 ) -> Result:
-    """Plays it over LCM with the real programs, or in this process (same law, same pictures, no bus)."""
+    """Plays it over LCM with the real programs, or in this process (same law, same pictures, no bus). The result is the
+    first robot's; run_all_robots() has all of them."""
+    return run_all_robots(
+        experiment, profile, transport, tuning=tuning, duration_s=duration_s, on_progress=on_progress
+    )[0]
+
+
+def run_all_robots(
+    experiment: Experiment,
+    profile: str = "anticipate",
+    transport: str = "lcm",
+    *,
+    tuning: Path | None = None,
+    duration_s: float | None = None,
+    on_progress: OnProgress | None = None,
+) -> list[Result]:
+    """The same run; a result for each robot that follows, whose titles name the robot if there are several."""
     scenario = experiment.scenario()
     run = _runner(transport)(scenario, profile=profile, tuning=tuning, duration_s=duration_s, on_progress=on_progress)
-    recording = run.recordings[scenario.robot().name]
-    return Result(experiment, scenario, profile, run, recording, evaluate(recording))
+    results = []
+    for robot in scenario.robots:
+        recording = run.recordings[robot.name]
+        named = experiment
+        if len(scenario.robots) > 1:
+            name, title = f"{experiment.name}_{robot.name}", f"{experiment.title}, {robot.name}"
+            named = replace(experiment, name=name, title=title)
+        results.append(Result(named, scenario, profile, run, recording, evaluate(recording)))
+    return results
 
 
 def _runner(transport: str) -> Callable[..., Run]:
@@ -91,7 +136,8 @@ def metrics_table(results: Sequence[Result], title: str = "Following by sight") 
     table.caption = "e = d_p - d, positive: too close. Steady state, RMS and bearing: over the last quarter of the run."
     table.add_column("")
     for result in results:
-        table.add_column(f"{result.experiment.title}\n({result.experiment.figure}, {result.profile})", justify="right")
+        driven = ", ".join(part for part in (result.experiment.figure, result.profile) if part)
+        table.add_column(f"{result.experiment.title}\n({driven})", justify="right")
     for label, text in _ROWS:
         table.add_row(label, *(text(result) for result in results))
     return table

@@ -2,12 +2,11 @@
 
 import resource
 import subprocess
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
 
-from pilotfish.doctor import Host, Verdict, bus_checks, devices, network, programs, system
+from pilotfish.doctor import Verdict, bus_checks, devices, network, programs, system
 from pilotfish.errors import ExecutableNotFoundError
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
 
@@ -17,44 +16,6 @@ HEAD = "Iface\tDestination\tGateway\tFlags\tRefCnt\tUse\tMetric\tMask\tMTU\tWind
 DEFAULT = "eth0\t00000000\t010200C0\t0003\t0\t0\t0\t00000000\t0\t0\t0\n"
 GROUP_TO_LO = "lo\t434CFFEF\t00000000\t0001\t0\t0\t0\tFFFFFFFF\t0\t0\t0\n"
 MULTICAST_TO_LO = "lo\t000000E0\t00000000\t0001\t0\t0\t0\t000000F0\t0\t0\t0\n"
-
-
-@dataclass(frozen=True)
-class FakeHost(Host):
-    """A machine whose files are below `root`, and whose other answers are given."""
-
-    answers: dict[str, object] = field(default_factory=dict)
-    closed: frozenset[str] = frozenset()
-
-    def may_use(self, file):
-        return file.name not in self.closed
-
-    def is_root(self):
-        return bool(self.answers.get("root", False))
-
-    def limit(self, which):
-        return self.answers["limits"][which]
-
-    def free_bytes(self, folder):
-        return self.answers["free"]
-
-    def clock_is_synchronized(self):
-        return self.answers["synchronized"]
-
-    def run(self, command):
-        return self.answers.get(Path(command[0]).name)
-
-
-@pytest.fixture
-def machine(tmp_path):
-    def make(files=None, closed=(), **answers):
-        for name, text in (files or {}).items():
-            file = tmp_path / name
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(text)
-        return FakeHost(tmp_path, answers, frozenset(closed))
-
-    return make
 
 
 def said(returncode, stdout="", stderr=""):

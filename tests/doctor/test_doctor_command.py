@@ -8,13 +8,14 @@ import threading
 import lcm
 import pytest
 
-from pilotfish import doctor
+from pilotfish import data, doctor
 from pilotfish.doctor import Host, Verdict, network
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
 
 CHECKS = {
     *("pilotfish-coordinator", "pilotfish-base", "pilotfish-sim", "pilotfish-spy", "liblcm"),
+    *("versions", "lcm tools", "java", "port", "CPU governor"),
     *("multicast route", "multicast", "receive buffer", "bus", "firewall", "camera", "serial line"),
     *("real time", "clock source", "time of day", "disk"),
 }
@@ -103,3 +104,29 @@ def test_a_url_that_is_none_is_told_and_crashes_nothing(url):
     done = run("--json", "--lcm-url", url)
     assert done.returncode == 1, done.stdout + done.stderr
     assert any(finding["verdict"] == "wrong" for finding in json.loads(done.stdout)["findings"])
+
+
+def test_a_configuration_adds_its_name_and_its_camera():
+    done = run("--json", "--lcm-url", private_lcm_url(), "--config", str(data.path("config/line.yaml")))
+    found = {finding["check"]: finding for finding in json.loads(done.stdout)["findings"]}
+    assert found["name"]["seen"] == "robot1 is free: nobody sends its commands"
+    assert "source lcm is no camera of this host" in found["camera of the robot"]["seen"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["--config", "nowhere.yaml"], 78, "nowhere.yaml"),
+        (["--seconds", "5"], 64, "--following"),
+        (["--following", "robot1", "--seconds", "nan"], 64, "1 to 3600"),
+        (["--following", "robot1", "--seconds", "0"], 64, "1 to 3600"),
+        (["--following", "a b"], 64, "1 to 32 letters"),
+        (["--following", "robot1", "--lcm-url", "nonsense"], 69, "cannot be opened"),
+        (["--following", "robot1", "--config", "nowhere.yaml"], 78, "nowhere.yaml"),
+    ],
+)
+def test_a_wrong_command_line_ends_in_words(arguments, code, words):
+    done = run(*arguments)
+    assert done.returncode == code, done.stdout + done.stderr
+    assert words in " ".join(done.stderr.split())
+    assert "Traceback" not in done.stderr

@@ -22,15 +22,17 @@ def run(*arguments):
 
 def test_without_a_command_the_help_is_shown():
     _, said = run()
-    for command in ("stop", "resume", "setpoint", "key", "experiment", "render", "plot", "learn-body", "tune", "demo"):
+    for command in ("stop", "resume", "go", "setpoint", "key", "experiment", "render", "plot", "learn-body", "tune"):
+        assert f" {command} " in said
+    for command in ("demo", "doctor", "top", "init", "data"):
         assert f" {command} " in said
 
 
 @pytest.mark.parametrize(
     "command",
     [
-        *("stop", "resume", "setpoint", "key new", "experiment", "render", "plot", "replay", "report", "export"),
-        *("learn-body", "tune", "demo"),
+        *("stop", "resume", "go", "setpoint", "key new", "experiment", "render", "plot", "replay", "report", "export"),
+        *("learn-body", "tune", "demo", "doctor", "top", "init", "data", "view", "tags", "leader show", "leader check"),
     ],
 )
 def test_every_help_has_an_example_to_copy(command):
@@ -47,7 +49,6 @@ def test_the_version_is_the_package_s():
 @pytest.mark.parametrize(
     ("arguments", "wrong"),
     [
-        (["experiment", "square"], "square"),
         (["experiment", "line", "--profile", "clairvoyant"], "clairvoyant"),
         (["experiment", "line", "--duration-s", "-1"], "--duration-s"),
         (["render", "line"], "--out"),
@@ -81,7 +82,8 @@ def test_a_scenario_that_cannot_be_used_ends_with_78_and_names_the_key(tmp_path)
 def test_a_shipped_scenario_that_does_not_exist_ends_with_66_and_lists_those_that_do(tmp_path):
     result, said = run("render", "lime", "--out", tmp_path)
     assert result.exit_code == 66
-    assert "scenarios/line.yaml" in said
+    assert "did you mean line?" in said
+    assert "figure_eight" in said
 
 
 def test_a_broken_recording_ends_with_65(tmp_path):
@@ -135,6 +137,45 @@ def test_a_fuzzy_controller_is_plotted(tmp_path):
         "coordination_sets.png",
         "coordination_surface.png",
     }
+
+
+@pytest.mark.parametrize("words", [["experiment", "squar"], ["render", "squar", "--out", "OUT"]])
+def test_a_misspelt_scenario_is_answered_with_what_may_be_meant_and_all_there_are(tmp_path, words):
+    result, said = run(*(tmp_path / "out" if word == "OUT" else word for word in words))
+    assert result.exit_code == 66
+    assert "did you mean square?" in said
+    for file in data.path("scenarios").glob("*.yaml"):
+        assert file.stem in said
+
+
+@pytest.mark.parametrize("name", sorted(file.stem for file in data.path("scenarios").glob("*.yaml")))
+def test_every_shipped_scenario_can_be_played_by_its_name(name):
+    result, said = run("experiment", name, "--in-process", "--duration-s", "0.5", "--profile", "anticipate")
+    assert result.exit_code == 0, said
+    assert "steady-state distance error" in said
+
+
+def test_an_experiment_with_two_followers_shows_and_writes_both(tmp_path):
+    words = ["experiment", "star", "--in-process", "--duration-s", "0.5", "--profile", "anticipate", "--out", tmp_path]
+    result, said = run(*words)
+    assert result.exit_code == 0, said
+    assert "Star, left" in said or "Star, robot1" in said
+    assert len(list(tmp_path.glob("*.csv"))) == 2
+
+
+def test_a_scenario_of_one_s_own_can_be_played(tmp_path):
+    text = data.path("scenarios/line.yaml").read_text().replace("../", f"{data.root()}/")
+    (tmp_path / "my_line.yaml").write_text(text)
+    words = ["experiment", tmp_path / "my_line.yaml", "--in-process", "--duration-s", "0.5", "--profile", "paper"]
+    result, said = run(*words)
+    assert result.exit_code == 0, said
+    assert "My line" in said and "(paper)" in said
+
+
+def test_a_scenario_without_a_nonideal_robot_names_those_that_have_one():
+    result, said = run("experiment", "chain", "--robot", "nonideal", "--in-process")
+    assert result.exit_code == 66
+    assert "circle, line" in said
 
 
 def test_a_short_sequence_is_rendered(tmp_path):

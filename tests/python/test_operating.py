@@ -48,6 +48,17 @@ def test_stop_resume_and_a_setpoint_are_obeyed_and_shown(url):
     )  # only the first stops can come before it is received
 
 
+def test_go_is_resume(url):
+    with ScriptedCoordinator(url) as robot:
+        Operator("robot1", lcm_url=url).stop()
+        code, said = run("go", "robot1", "--lcm-url", url)
+    assert code == 0, said
+    assert robot.setpoint.run
+    code, said = run("go", "robot1", "--lcm-url", url, "--within-s", SHORT_S)
+    assert code == 69
+    assert "no coordinator of robot1 answers" in said
+
+
 def test_a_second_operator_speaks_after_the_first(url):
     with ScriptedCoordinator(url):
         for distance_m in (1.2, 1.3, 1.4):

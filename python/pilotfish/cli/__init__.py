@@ -1,7 +1,5 @@
-"""The command line: ``pilotfish experiment | render | plot | replay | report | export | learn-body | tune | fuzzy |
-demo``, and for a robot that runs ``stop | resume | setpoint | key | doctor``."""
-"""The command line: ``pilotfish experiment | render | plot | replay | learn-body | tune | fuzzy | demo``, and for a
-robot that runs ``stop | resume | setpoint | view | key | doctor``."""
+"""The command line, in the order in which a new user needs it: set up a robot, see and drive, understand what happened,
+simulate, look into the law."""
 
 from __future__ import annotations
 
@@ -12,39 +10,51 @@ import typer
 
 from pilotfish import __version__
 from pilotfish.cli import console
+from pilotfish.cli.data import data
 from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.export import export
 from pilotfish.cli.fuzzy import app as fuzzy_app
+from pilotfish.cli.init import init
 from pilotfish.cli.leader import app as leader_app
 from pilotfish.cli.learn_body import learn_body
-from pilotfish.cli.operate import key_app, resume, setpoint, stop
+from pilotfish.cli.operate import go, key_app, resume, setpoint, stop
 from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
 from pilotfish.cli.report import report
 from pilotfish.cli.tags import tags
+from pilotfish.cli.top import top
 from pilotfish.cli.tune import tune
 from pilotfish.cli.view import view
+
+_COMMANDS = {
+    "Set up a robot": (tags, learn_body, init, doctor, data),
+    "See and drive": (view, top, stop, go, resume, setpoint),
+    "Recordings": (plot, report, export, replay),
+    "Simulate": (demo, experiment, render, tune),
+}
+_GROUPS = {
+    "Set up a robot": {"leader": leader_app, "key": key_app},
+    "The fuzzy law": {"fuzzy": fuzzy_app},
+}
 
 app = typer.Typer(
     name="pilotfish",
     cls=console.SysexitsGroup,
-    help="A robot follows another robot by sight alone: run experiments, render, draw, learn a leader's body.",
+    help="A robot follows another robot by sight alone: set one up, watch and stop it, record, replay, simulate.",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor, view):
-    app.command()(command)
-for command in (report, export):
-    app.command()(command)
-app.add_typer(key_app, name="key")
-app.add_typer(fuzzy_app, name="fuzzy")
-app.command()(tags)
-app.add_typer(leader_app, name="leader")
+for panel, commands in _COMMANDS.items():
+    for command in commands:
+        app.command(rich_help_panel=panel)(command)
+for panel, groups in _GROUPS.items():
+    for name, group in groups.items():
+        app.add_typer(group, name=name, rich_help_panel=panel)
 
 
 def main() -> None:

@@ -18,13 +18,18 @@ from pilotfish.cli.options import (
     Robot,
     RobotOption,
     TuningOption,
-    Which,
     drivers_of,
 )
 
 
 def experiment(
-    which: Annotated[Which, typer.Argument(help="Leader on a line (Fig. 6), on a circle (Fig. 7), or both.")],
+    which: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="line (Fig. 6), circle (Fig. 7), both; or any shipped scenario (pilotfish data scenarios), or a file.",
+        ),
+    ],
     profile: ProfilesOption = Profiles.both,
     law: LawOption = Law.fuzzy,
     robot: RobotOption = Robot.ideal,
@@ -33,7 +38,7 @@ def experiment(
     duration_s: DurationOption = None,
     out: OutOption = None,
 ) -> None:
-    """Run the source paper's experiments in simulation and show what came of them.
+    """Run the source paper's experiments, or any other scenario, in simulation and show what came of them.
 
     The camera is rendered, the tags are detected, the real programs talk over a private LCM bus in lock-step.
 
@@ -44,21 +49,23 @@ def experiment(
       pilotfish experiment circle --in-process     without programs and bus
       pilotfish experiment line --law pid          with a baseline of the fuzzy law
       pilotfish experiment both --robot nonideal   with slip, lag, noise and camera misalignment
+      pilotfish experiment chain --profile anticipate
+      pilotfish experiment my_scenario.yaml
     """
     from pilotfish.cli.pictures import save_comparison, save_result
-    from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
+    from pilotfish.experiments import EXPERIMENTS, experiment_of, metrics_table, run_all_robots
 
-    chosen = list(EXPERIMENTS.values()) if which is Which.both else [EXPERIMENTS[which.value]]
-    if robot is Robot.nonideal:
-        chosen = [experiment.on_nonideal_robot() for experiment in chosen]
     transport = "in-process" if in_process else "lcm"
     with friendly_errors():
+        chosen = list(EXPERIMENTS.values()) if which == "both" else [experiment_of(which)]
+        if robot is Robot.nonideal:
+            chosen = [experiment.on_nonideal_robot() for experiment in chosen]
         results = []
         for experiment in chosen:
             for driver in drivers_of(profile, law):
                 with progress(f"{experiment.title}, {driver}") as step:
                     how = {"tuning": tuning, "duration_s": duration_s, "on_progress": step}
-                    results.append(run_experiment(experiment, driver, transport, **how))
+                    results += run_all_robots(experiment, driver, transport, **how)
         console.print(metrics_table(results))
         if out:
             written = [file for result in results for file in save_result(result, out)]

@@ -1,4 +1,4 @@
-"""``pilotfish stop | resume | setpoint | key``: an operator's requests to a robot."""
+"""``pilotfish stop | resume | go | setpoint | key``: an operator's requests to a robot."""
 
 from __future__ import annotations
 
@@ -47,6 +47,18 @@ def resume(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None,
     with friendly_errors():
         operator = _operator(robot, lcm_url, key)
         _say(operator, operator.resume(within_s))
+
+
+def go(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, within_s: WithinOption = 3.0) -> None:
+    """Let a robot drive: the same as resume, under the name that people look for.
+
+    A robot of `pilotfish init` stands still until then.
+
+    \b
+    Example
+      pilotfish go robot1
+    """
+    resume(robot, lcm_url, key, within_s)
 
 
 def setpoint(

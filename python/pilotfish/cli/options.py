@@ -24,14 +24,6 @@ def between(low: float, high: float, unit: str = "") -> Callable[[float | None],
     return check
 
 
-class Which(str, Enum):
-    """The experiments that a command can run."""
-
-    line = "line"
-    circle = "circle"
-    both = "both"
-
-
 class Robot(str, Enum):
     """The robot that an experiment is played with."""
 

@@ -17,7 +17,7 @@ def save_result(result: Result, out: Path) -> list[Path]:
     experiment, profile = result.experiment, result.profile
     stem = f"{experiment.name}_{profile}"
     title = f"{experiment.title} ({profile})"
-    error_title = f"{title}: distance error ({experiment.figure})"
+    error_title = f"{title}: distance error" + (f" ({experiment.figure})" if experiment.figure else "")
     return [
         result.recording.to_csv(out / f"{stem}.csv"),
         save(draw_distance_error(result.recording, error_title), out / f"{stem}_distance_error.png"),
@@ -32,7 +32,7 @@ def by_experiment(results: Sequence[Result]) -> dict[str, dict[str, Result]]:
     """Title of the experiment -> who drove -> result."""
     grouped: dict[str, dict[str, Result]] = {}
     for result in results:
-        title = f"{result.experiment.title} ({result.experiment.figure})"
+        title = result.experiment.label
         grouped.setdefault(title, {})[result.profile] = result
     return grouped
 

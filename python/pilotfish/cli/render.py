@@ -47,4 +47,4 @@ def render(
 def _scenario_file(name: str) -> Path:
     from pilotfish import data
 
-    return Path(name) if Path(name).exists() or "/" in name else data.path(f"scenarios/{Path(name).stem}.yaml")
+    return Path(name) if Path(name).is_file() or "/" in name else data.scenario(name)

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pilotfish.doctor import bus_checks, devices, network, programs, system
+from pilotfish.doctor import bus_checks, camera, devices, network, ports, programs, system, tools
 from pilotfish.doctor.finding import Finding, Verdict, note
+from pilotfish.doctor.following.setup import Setup
 from pilotfish.doctor.host import Host
 
 __all__ = ["Finding", "Host", "Verdict", "examine"]
@@ -22,8 +23,12 @@ def examine(
     lcm_url: str = network.DEFAULT_URL,
     listen_s: float = 1.0,
     black_box: str = system.BLACK_BOX,
+    setup: Setup | None = None,
 ) -> list[Finding]:
-    """Every check, one after the other. Nothing raises: what cannot be looked at becomes a note."""
+    """Every check, one after the other. Nothing raises: what cannot be looked at becomes a note.
+
+    With the ``setup`` of a coordinator its camera is opened and measured, and its name is looked for on the bus.
+    """
     host = host or Host()
     found: list[Finding] = []
 
@@ -36,20 +41,28 @@ def examine(
 
     for name, needed in programs.PROGRAMS.items():
         look(name, lambda name=name, needed=needed: programs.check_program(host, name, needed))
+    look("versions", lambda: tools.check_versions(host))
     look("liblcm", lambda: system.check_liblcm(host))
+    look("lcm tools", lambda: tools.check_lcm_tools(host))
+    look("java", lambda: tools.check_java(host))
     group = network.group_of(lcm_url)
     if group:
         look("multicast route", lambda: network.check_route(host, group))
         look("multicast", lambda: network.check_multicast(group))
         look("receive buffer", lambda: network.check_receive_buffer(host))
+        look("port", lambda: ports.check_port(host, group.port))
     if any(finding.check == "multicast" and finding.verdict is Verdict.wrong for finding in found):
         found.append(note("bus", "not listened to: it receives nothing"))
     else:
-        look("bus", lambda: bus_checks.check_bus(lcm_url, listen_s))
+        name = setup.name if setup else None
+        look("bus", lambda: bus_checks.check_bus(lcm_url, listen_s, name))
     look("firewall", lambda: system.check_firewall(host))
     look("camera", lambda: devices.check_cameras(host))
+    if setup:
+        look("camera of the robot", lambda: camera.check_camera(host, setup))
     look("serial line", lambda: devices.check_serial_lines(host))
     look("real time", lambda: system.check_real_time(host))
+    look("CPU governor", lambda: system.check_governor(host))
     look("clock source", lambda: system.check_clock(host))
     look("time of day", lambda: system.check_time(host))
     look("disk", lambda: system.check_disk(host, black_box))

@@ -81,10 +81,24 @@ def _summary(received: dict[str, Channel], seconds: float) -> Finding:
     return ok("bus", "\n".join(lines[:_SHOWN] + more))
 
 
-def check_bus(url: str, seconds: float) -> list[Finding]:
-    """What goes over the bus at ``url`` within ``seconds`` [s]; a note if it cannot be listened to."""
+def name_taken(received: dict[str, Channel], robot: str) -> Finding:
+    """Pure: whether a coordinator of this name speaks already; a second one does not start."""
+    channel = received.get(f"{robot.upper()}_COMMAND")
+    if channel is None:
+        return ok("name", f"{robot} is free: nobody sends its commands")
+    return note(
+        "name",
+        f"a coordinator of {robot} is on the bus: a second one of this name does not start",
+        f"pilotfish doctor --following {robot} says how it does; another robot needs another --name",
+    )
+
+
+def check_bus(url: str, seconds: float, robot: str | None = None) -> list[Finding]:
+    """What goes over the bus at ``url`` within ``seconds`` [s]; a note if it cannot be listened to. With a ``robot``
+    also whether its name is taken."""
     try:
-        return findings_of(listen(url, seconds), seconds)
+        received = listen(url, seconds)
+        return [*findings_of(received, seconds), *([name_taken(received, robot)] if robot else [])]
     except ImportError:
         return [note("bus", "not listened to: the Python package lcm is missing", "pip install lcm")]
     except RuntimeError as error:

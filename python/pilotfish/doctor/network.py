@@ -18,6 +18,10 @@ MEND_ROUTE = (
     "sudo systemctl enable --now pilotfish-lcm-route, or: sudo ip link set lo up multicast on; "
     "sudo ip route add {group}/32 dev lo src 127.0.0.1"
 )
+KEEP_BUFFER = (
+    "echo net.core.rmem_max=4194304 | sudo tee /etc/sysctl.d/60-pilotfish.conf && "
+    "sudo sysctl -p /etc/sysctl.d/60-pilotfish.conf"
+)
 RAW_IMAGE_BYTES = 640 * 480
 WANTED_IMAGES = 4  # "a few": what may arrive while the reader is busy with one
 
@@ -124,5 +128,5 @@ def check_receive_buffer(host: Host) -> Finding:
     return note(
         "receive buffer",
         f"{granted} bytes: too few for raw pictures of 640x480 on the bus ({RAW_IMAGE_BYTES} bytes each)",
-        "sudo sysctl -w net.core.rmem_max=4194304 (for good: a file in /etc/sysctl.d), or send JPEG",
+        KEEP_BUFFER + " (that keeps it after a restart, too), or send JPEG",
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import resource
+from collections import Counter
 from pathlib import Path
 
 from pilotfish.doctor.finding import Finding, note, ok, wrong
@@ -32,6 +33,22 @@ def check_real_time(host: Host) -> Finding:
         "real time",
         " and ".join(missing) + " for programs started by hand",
         "nothing for the services; else lines for rtprio and memlock in /etc/security/limits.d",
+    )
+
+
+def check_governor(host: Host) -> Finding:
+    """Whether the processors run at full speed, or first have to notice that there is something to do."""
+    files = host.find("/sys/devices/system/cpu", "cpu[0-9]*/cpufreq/scaling_governor")
+    governors = Counter(text for file in files if (text := _text(file)))
+    if not governors:
+        return note("CPU governor", "none: the frequency is not for this system to choose (a virtual machine?)")
+    listed = ", ".join(f"{name} on {count}" for name, count in governors.most_common())
+    if set(governors) == {"performance"}:
+        return ok("CPU governor", listed)
+    return note(
+        "CPU governor",
+        f"{listed}: a processor that slows down between two pictures adds a few ms to some of them",
+        "sudo cpupower frequency-set -g performance (package linux-cpupower; until the next restart)",
     )
 
 
@@ -103,6 +120,13 @@ def check_liblcm(host: Host) -> Finding:
     if not files:
         return note("liblcm", "not installed on the system", "apt-get install liblcm1 liblcm-bin")
     return ok("liblcm", ", ".join(sorted(versions)) if versions else "installed, of unknown version")
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text(errors="replace").strip()
+    except OSError:
+        return ""
 
 
 def _real(file: Path) -> str:

@@ -1,0 +1,124 @@
+"""How ``pilotfish doctor --following`` shows a diagnosis on a terminal."""
+
+from __future__ import annotations
+
+import math
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from pilotfish.doctor.following import Cause, Diagnosis, Evidence
+from pilotfish.doctor.following.evidence import Numbers, reason_text
+
+_MOST_COUNTERS = 8
+
+
+def print_diagnosis(diagnosis: Diagnosis, console: Console, width: int) -> None:
+    """The verdict, the causes with what to do, and the figures they come from."""
+    verdict = "[bold green]follows[/]" if diagnosis.follows else "[bold red]does not follow[/]"
+    head = f"[bold]{escape(diagnosis.robot)}[/] {verdict} (watched for {diagnosis.seconds:g} s)"
+    console.print(head, width=width)
+    _print_causes(diagnosis.causes, "bold red", console, width)
+    _print_causes(diagnosis.notes, "yellow", console, width)
+    if diagnosis.evidence:
+        table = Table.grid(padding=(0, 2))
+        table.add_column(width=16)
+        table.add_column(overflow="fold")
+        for name, text in figures(diagnosis.evidence):
+            table.add_row(f"[dim]{name}[/]", escape(text))
+        console.print()
+        console.print(table, width=width)
+
+
+def _print_causes(causes: list[Cause], colour: str, console: Console, width: int) -> None:
+    table = Table.grid(padding=(0, 1))
+    table.add_column(width=2)
+    table.add_column(overflow="fold")
+    for number, cause in enumerate(causes, start=1):
+        mark = f"{number}." if colour.endswith("red") else "-"
+        table.add_row(f"[{colour}]{mark}[/]", f"{escape(cause.what)}\n[italic]-> {escape(cause.do)}[/]")
+    if causes:
+        console.print(table, width=width)
+
+
+def figures(seen: Evidence) -> list[tuple[str, str]]:
+    """Pure: what was measured, a line each."""
+    looked = seen.frame_rate_hz > 0.0  # else there was nothing to measure
+    rows = [
+        ("status", _shares(seen.status_shares)),
+        (
+            "reasons",
+            _shares({reason_text(name): share for name, share in seen.reason_shares.items() if name != "none"}),
+        ),
+        ("rates", _rates(seen)),
+        ("latency", looked * (_milliseconds(seen.latency_s, 1000.0) + _counted_from(seen))),
+        ("vision", looked * _milliseconds(seen.processing_ms, 1.0)),
+        ("distance error", _error(seen)),
+        ("commanded", _commanded(seen)),
+        ("wheels", _wheels(seen)),
+        ("counters rose", _counters(seen.counters_risen)),
+        ("of the wheels", _counters(seen.base_counters_risen)),
+    ]
+    if seen.missed_deadlines:
+        rows.append(("missed deadlines", str(seen.missed_deadlines)))
+    return [(name, text) for name, text in rows if text]
+
+
+def _shares(shares: dict[str, float]) -> str:
+    return ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items())
+
+
+def _rates(seen: Evidence) -> str:
+    parts = [f"commands {seen.command_rate_hz:.1f} Hz", f"status {seen.status_rate_hz:.1f} Hz"]
+    if math.isfinite(seen.frame_rate_hz):
+        parts.append(f"frames {seen.frame_rate_hz:.1f} Hz")
+    for channel, rate_hz in seen.image_rate_hz.items():
+        sizes = ", ".join(f"{width}x{height}" for width, height in seen.image_sizes.get(channel, {}))
+        parts.append(f"{channel} {rate_hz:.1f} Hz ({sizes})")
+    if seen.base_rate_hz:
+        parts.append(f"wheels {seen.base_rate_hz:.1f} Hz")
+    return ", ".join(parts)
+
+
+def _milliseconds(numbers: Numbers, factor: float) -> str:
+    if not numbers.count:
+        return ""
+    return f"median {factor * numbers.median:.1f} ms, at most {factor * numbers.maximum:.1f} ms"
+
+
+def _counted_from(seen: Evidence) -> str:
+    if not seen.latency_s.count:
+        return ""
+    return ", from the exposure" if seen.latency_from_exposure else ", from the arrival"
+
+
+def _error(seen: Evidence) -> str:
+    if not math.isfinite(seen.error_last_m):
+        return ""
+    wanted = f" (wanted {seen.setpoint_distance_m:.2f} m)"
+    return f"{_signed(seen.error_first_m)} at first, {_signed(seen.error_last_m)} at last{wanted}"
+
+
+def _signed(error_m: float) -> str:
+    """e = wanted - measured, positive: too close."""
+    if abs(error_m) < 0.0005:
+        return "0 mm"
+    return f"{1000 * abs(error_m):.0f} mm too {'far' if error_m < 0 else 'close'}"
+
+
+def _commanded(seen: Evidence) -> str:
+    speed = seen.commanded_mps
+    return f"median {speed.median:.2f} m/s, at most {speed.maximum:.2f} m/s" if speed.count else ""
+
+
+def _wheels(seen: Evidence) -> str:
+    if not seen.base_state:
+        return "no pilotfish-base on the bus"
+    return seen.base_text if seen.base_text.startswith(seen.base_state) else f"{seen.base_state} {seen.base_text}"
+
+
+def _counters(risen: dict[str, int]) -> str:
+    shown = [f"{name} +{count}" for name, count in list(risen.items())[:_MOST_COUNTERS]]
+    more = len(risen) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more > 0 else "")

@@ -1,0 +1,72 @@
+"""``pilotfish init``: a folder with everything one robot needs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pilotfish.cli.console import console, friendly_errors, warn
+from pilotfish.cli.options import writable_folder
+
+
+def init(
+    name: Annotated[str, typer.Argument(help="The robot's name on the bus: 1 to 32 letters, digits and underscores.")],
+    folder: Annotated[
+        Path | None,
+        typer.Option("--dir", file_okay=False, help="Where; must be empty or not there yet. Default: ./NAME."),
+    ] = None,
+    source: Annotated[
+        str, typer.Option("--source", help="Where its pictures come from: camera:N, or lcm for images on the bus.")
+    ] = "camera:0",
+    calibration: Annotated[
+        Path | None,
+        typer.Option("--calibration", dir_okay=False, help="Its camera's calibration, by OpenCV or ViSP, to copy."),
+    ] = None,
+    leader: Annotated[
+        Path | None, typer.Option("--leader", dir_okay=False, help="The leader file of whom it follows, to copy.")
+    ] = None,
+    user: Annotated[
+        str | None, typer.Option("--user", help="Who the services run as. Default: you (root: the user pilotfish).")
+    ] = None,
+) -> None:
+    """Make a folder for a robot: configuration, leader, calibration, fuzzy law, wheels, systemd units, README with
+    the next steps.
+
+    It works from anywhere. The robot looks and stands still until `pilotfish go NAME`. Never overwrites anything.
+
+    \b
+    Examples
+      pilotfish init robot1
+      pilotfish init robot1 --dir /srv/robot1 --calibration camera.yaml --leader leader.yaml
+    """
+    from pilotfish.robot_folder import Options, create
+
+    place = folder or Path(name)
+    with friendly_errors():
+        _check_words(name, source, user)
+        writable_folder(place)
+        files = create(name, place, Options(source, calibration, leader, user))
+        for file in files:
+            console.print(f"wrote {file}", soft_wrap=True, markup=False, highlight=False)
+        if place.resolve().is_relative_to("/tmp"):
+            warn("services have a /tmp of their own and cannot see this folder: choose another --dir for them")
+        console.print(f"\nNext: {place / 'README.md'}", soft_wrap=True, markup=False, highlight=False)
+        console.print(f"  pilotfish doctor --config {place / f'{name}.yaml'}", soft_wrap=True, markup=False)
+
+
+def _check_words(name: str, source: str, user: str | None) -> None:
+    import re
+
+    from pilotfish.bus import channel
+    from pilotfish.errors import ConfigError
+
+    try:
+        channel(name, "STATUS")
+    except ConfigError as error:
+        raise typer.BadParameter(str(error)) from None
+    if not re.fullmatch(r"(camera:\d{1,3}|lcm(:\w{1,63})?)", source):
+        raise typer.BadParameter(f"--source: '{source}' is not camera:N, lcm or lcm:CHANNEL")
+    if user is not None and not re.fullmatch(r"[a-z_][a-z0-9_-]{0,31}", user):
+        raise typer.BadParameter(f"--user: '{user}' is no user's name (lower-case letters, digits, _ and -)")

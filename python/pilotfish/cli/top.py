@@ -1,0 +1,99 @@
+"""``pilotfish top``: every robot on the bus, in one table."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+from rich.text import Text
+
+from pilotfish.cli.console import console, friendly_errors
+from pilotfish.cli.operate import KeyOption, UrlOption
+from pilotfish.cli.options import between
+
+if TYPE_CHECKING:
+    from pilotfish.watching.robots import Row
+
+
+def top(
+    robots: Annotated[list[str] | None, typer.Argument(help="Only these; default: all that are heard.")] = None,
+    lcm_url: UrlOption = "",
+    key: KeyOption = None,
+    once: Annotated[bool, typer.Option("--once", help="Print one table and end, without Textual.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON array and end: SI units.")] = False,
+    seconds: Annotated[
+        float,
+        typer.Option("--seconds", callback=between(0.1, 60.0, "s"), help="With --once or --json: how long to listen."),
+    ] = 1.0,
+) -> None:
+    """Show every robot on the bus: status, reason, distance, commands, rates, latency, refusals; and stop one.
+
+    Works over SSH and without Java; pictures are not received. Keys: q quit, s stop the selected robot (asks nothing),
+    < > sort, R reverse, ? help. Sends nothing but such stops.
+
+    --once and --json end with 69 if no robot is heard.
+
+    \b
+    Examples
+      pilotfish top
+      pilotfish top robot1 robot2
+      pilotfish top --once                      for a log or a script
+      pilotfish top --json | jq '.[].status'
+    """
+    from pilotfish.bus import channel
+    from pilotfish.errors import ConfigError
+
+    for robot in robots or ():
+        try:
+            channel(robot, "STATUS")
+        except ConfigError as error:
+            raise typer.BadParameter(str(error)) from None
+    with friendly_errors():
+        if once or as_json:
+            _print(lcm_url, seconds, tuple(robots or ()), as_json)
+        else:
+            _run(lcm_url, tuple(robots or ()), key)
+
+
+def _run(lcm_url: str, robots: tuple[str, ...], key: Path | None) -> None:
+    from pilotfish.extras import require
+
+    require("textual", "top")
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise typer.BadParameter("this is no terminal: --once prints one table, --json an array")
+    from pilotfish.top.app import TopApp, stop_robot
+
+    stop = stop_robot(lcm_url, key) if key else None
+    TopApp(lcm_url, robots=robots, stop=stop, wall_offset_s=time.time() - time.monotonic()).run()
+
+
+def _print(lcm_url: str, seconds: float, robots: tuple[str, ...], as_json: bool) -> None:
+    from pilotfish.errors import SilentRobotError
+    from pilotfish.top import once
+    from pilotfish.watching.columns import as_dict
+
+    rows, url = once(lcm_url, seconds, robots)
+    if as_json:
+        typer.echo(json.dumps([as_dict(row) for row in rows], indent=2))
+    elif rows:
+        console.print(table(rows))
+    if not rows:
+        asked = f"{', '.join(robots)} is not" if robots else "no robot is"
+        raise SilentRobotError(f"{asked} heard on {url} within {seconds:g} s; pilotfish doctor says if the bus works")
+
+
+def table(rows: list[Row]) -> Table:
+    """The columns of the screen, as Rich prints them."""
+    from pilotfish.watching.columns import COLUMNS, style
+
+    printed = Table(box=None, pad_edge=False, header_style="bold")
+    for column in COLUMNS:
+        printed.add_column(Text(column.title), justify="right" if column.right else "left", overflow="fold")
+    for row in rows:
+        printed.add_row(*(Text(column.text(row), style=style(row, column)) for column in COLUMNS))
+    return printed

@@ -1,0 +1,169 @@
+"""``pilotfish doctor --following`` beside the real programs: the cause that is named is the one that was made."""
+
+import itertools
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+from following_robot import WatchedRobot, edited_config, half_size_calibration, with_other_ids
+
+from pilotfish import bus, core, data
+from pilotfish.doctor import following
+from pilotfish.harness.ports import private_lcm_url
+from pilotfish.operating import Operator, new_key
+from scenes import leader_pictures
+
+
+def doctor(url, *arguments, robot="robot1", seconds=2):
+    command = [sys.executable, "-m", "pilotfish", "doctor", "--following", robot, "--lcm-url", url, "--json"]
+    command += ["--seconds", str(seconds), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode in (0, 1), done.stderr
+    said = json.loads(done.stdout)
+    assert said["follows"] == (done.returncode == 0) == (not said["causes"])
+    assert all(cause["do"] for cause in said["causes"])
+    return said
+
+
+def names(said):
+    return [cause["name"] for cause in said["causes"]]
+
+
+@pytest.fixture
+def robot(tmp_path):
+    with WatchedRobot(tmp_path) as robot:
+        yield robot
+
+
+def test_a_robot_that_follows_ends_it_with_0_and_its_figures_are_shown(robot):
+    robot.base(None, "--driver", "simulator")
+    robot.coordinator()
+    robot.sim("--drive-by", "base")
+    said = doctor(robot.url)
+    assert names(said) == []
+    evidence = said["evidence"]
+    assert evidence["status_shares"]["tracking"] >= 0.9
+    assert evidence["base_state"] == "driving"
+    assert evidence["image_sizes"] == {"ROBOT1_IMAGE": {"640x480": pytest.approx(60, abs=30)}}  # 30 Hz for 2 s
+    assert 0 < evidence["latency_s"]["median"] <= evidence["latency_s"]["maximum"]
+    assert said["ids_in_view"] == [0, 1, 2]
+
+
+def test_a_stopped_robot_is_told_with_the_command_that_resumes_it(robot):
+    robot.coordinator()
+    robot.sim()
+    Operator("robot1", lcm_url=robot.url).stop()
+    said = doctor(robot.url)
+    assert names(said) == ["stopped"]
+    assert "pilotfish resume robot1" in said["causes"][0]["do"]
+
+
+def test_a_leader_with_other_ids_is_told_with_both_kinds_of_ids(robot, tmp_path):
+    """The coordinator's command line says where its configuration is: no --config is needed on its host."""
+    robot.coordinator(edited_config(tmp_path, with_other_ids))
+    robot.sim()
+    said = doctor(robot.url)
+    assert names(said) == ["wrong_ids"]
+    assert "saw ids 0 to 2, the body has 10 to 12" in said["causes"][0]["what"]
+    assert said["evidence"]["counters_risen"]["tag_foreign_id"] > 0
+
+
+def test_images_that_do_not_come_are_told_with_the_channel(robot):
+    robot.coordinator()
+    said = doctor(robot.url)
+    assert names(said) == ["no_images"]
+    assert "ROBOT1_IMAGE" in said["causes"][0]["what"]
+
+
+def test_images_on_another_channel_are_named(robot):
+    robot.coordinator(data.path("config/line.yaml"), "--source", "lcm:REAR_CAMERA")
+    robot.sim()
+    said = doctor(robot.url)
+    assert names(said) == ["images_on_another_channel"]
+    assert "no images on REAR_CAMERA; there are some on ROBOT1_IMAGE" in said["causes"][0]["what"]
+
+
+def test_a_wrong_frame_size_is_told_with_both_sizes(robot, tmp_path):
+    half = half_size_calibration(tmp_path)
+    robot.coordinator(edited_config(tmp_path, lambda content: content["camera"].update(calibration=str(half))))
+    robot.sim()
+    said = doctor(robot.url)
+    assert names(said) == ["frame_size"]
+    assert "the images are 640x480, the calibration is 320x240" in said["causes"][0]["what"]
+
+
+def test_pictures_that_are_an_hour_old_are_told_with_their_age(robot):
+    robot.coordinator()
+    over = threading.Event()
+
+    def play():
+        sender = bus.Bus(robot.url)
+        pictures = leader_pictures(30)
+        for k in itertools.count():
+            utime = time.time_ns() // 1000 - 3_600_000_000
+            sender.publish_image("ROBOT1_IMAGE", core.Frame(pictures[k % 30].image, utime=utime))
+            if over.wait(1 / 30):
+                return
+
+    player = threading.Thread(target=play)
+    player.start()
+    try:
+        said = doctor(robot.url)
+    finally:
+        over.set()
+        player.join()
+    assert names(said)[0] == "too_old"
+    assert "3600 s old" in said["causes"][0]["what"]
+
+
+def test_without_a_coordinator_the_bus_and_the_way_to_start_one_are_told():
+    url = private_lcm_url()
+    said = doctor(url, seconds=1)
+    assert names(said)[0] in ("no_coordinator", "another_bus")  # one of another test may run on this host
+    assert url in said["causes"][0]["what"]
+
+
+def test_a_misspelt_robot_is_answered_with_the_one_that_is_there(robot):
+    robot.coordinator()
+    said = doctor(robot.url, robot="robt1", seconds=1)
+    assert names(said) == ["another_name"]
+    assert "do you mean robot1?" in said["causes"][0]["what"]
+
+
+def test_two_coordinators_of_one_name_are_told(robot):
+    """The second would refuse to start: the first one sleeps meanwhile."""
+    first = robot.coordinator(name="first")
+    first.process.send_signal(signal.SIGSTOP)
+    robot.coordinator(name="second")
+    first.process.send_signal(signal.SIGCONT)
+    said = doctor(robot.url)
+    assert names(said) == ["two_coordinators"]
+    assert said["causes"][0]["what"].startswith("2 coordinators")
+
+
+def test_a_base_with_another_key_is_told_by_the_counter_that_rises(robot, tmp_path):
+    new_key(tmp_path / "key")
+    config = tmp_path / "base.yaml"
+    config.write_text(data.path("config/base.yaml").read_text() + "key_file: key\n")
+    robot.base(config)
+    robot.coordinator()
+    robot.sim()
+    said = doctor(robot.url)
+    assert names(said) == ["base_refuses"]
+    assert "command_mac_wrong" in said["causes"][0]["what"]
+
+
+def test_a_coordinator_that_ends_meanwhile_is_told(robot):
+    child = robot.coordinator()
+    robot.sim()
+    diagnosis = following.diagnose(
+        "robot1",
+        seconds=3.0,
+        lcm_url=robot.url,
+        on_time=lambda passed_s: child.process.kill() if passed_s > 1 else None,
+    )
+    assert [cause.name for cause in diagnosis.causes] == ["fell_silent"]
