@@ -1,1 +1,2 @@
-"""What a robot learns about its parts from pictures, once: ``body`` finds where the tags of a leader sit."""
+"""What a robot learns about its parts from pictures, once: ``camera`` its lens, ``mounting`` where the camera sits,
+``body`` where the tags of a leader sit."""

@@ -10,6 +10,7 @@ import typer
 
 from pilotfish import __version__
 from pilotfish.cli import console
+from pilotfish.cli.calibrate import app as calibrate_app
 from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 for command in (stop, resume, setpoint, experiment, render, plot, replay, learn_body, tune, demo, doctor):
     app.command()(command)
+app.add_typer(calibrate_app, name="calibrate")
 app.add_typer(key_app, name="key")
 app.add_typer(fuzzy_app, name="fuzzy")
 
