@@ -1,7 +1,7 @@
 """How well shared parameters are known when every block of measurements has unknowns of its own (a view its pose).
 
-With residuals e_b and derivatives A_b by what is shared and B_b by what is the block's own, the own unknowns drop out by
-projecting on what B_b cannot explain, P_b = I - Q_b Q_b^T (Q_b an orthonormal base of B_b's columns):
+With residuals e_b and derivatives A_b by what is shared and B_b by what is the block's own, the own unknowns drop out
+by projecting on what B_b cannot explain, P_b = I - Q_b Q_b^T (Q_b an orthonormal base of B_b's columns):
 
     S_b = A_b^T P_b A_b,    s_b = A_b^T P_b e_b,    S = sum S_b           (at the minimum sum s_b = 0)
 
@@ -10,8 +10,8 @@ projecting on what B_b cannot explain, P_b = I - Q_b Q_b^T (Q_b an orthonormal b
   the estimate then moves by d_b = (S - S_b)^-1 s_b, and (G - 1) / G sum d_b d_b^T over the G blocks is the jackknife's
   covariance (Efron and Stein 1981; CR3 of MacKinnon and White 1985), whatever the noise looks like within a block.
 
-The jackknife is rather too large with few blocks, least squares too small if its assumption does not hold: the larger of
-the two standard deviations is what is reported.
+The jackknife is rather too large with few blocks, least squares too small if its assumption does not hold: the larger
+of the two standard deviations is what is reported.
 """
 
 from __future__ import annotations

@@ -22,7 +22,8 @@ def remarks(source: str, board: Board, calibration: CameraCalibration) -> list[s
         f"{name} {s:.2g}" for name, s, free in zip(lens.names, sigma, calibration.fit.free, strict=True) if free
     )
     lines = [
-        f"Calibrated by `pilotfish calibrate camera` from {len(calibration.views)} views of a {board.kind} in {source}.",
+        f"Calibrated by `pilotfish calibrate camera` from {len(calibration.views)} views of a {board.kind} in "
+        f"{source}.",
         f"RMS {calibration.fit.rms_px:.3f} px" + _unseen(calibration) + f"; verdict: {calibration.verdict.grade}.",
         f"One standard deviation: {numbers}.",
         *calibration.verdict.reasons,

@@ -1,8 +1,8 @@
 """Calibrating a camera with a printed board: focal length, principal point, distortion, and what they are worth.
 
-``open_pictures`` and ``every_picture`` or ``worthwhile_pictures`` find a board (``BoardDetector``); ``calibrate_camera``
-fits a lens, leaves out what does not fit, tests it on views that it has not seen and gives a verdict;
-``write_calibration`` writes the file that a coordinator reads, and checks that it is read as it is meant.
+``open_pictures`` and ``every_picture`` or ``worthwhile_pictures`` find a board (``BoardDetector``);
+``calibrate_camera`` fits a lens, leaves out what does not fit, tests it on views that it has not seen and gives a
+verdict; ``write_calibration`` writes the file that a coordinator reads, and checks that it is read as it is meant.
 """
 
 from pilotfish.calibration.camera.board_spelling import board_of

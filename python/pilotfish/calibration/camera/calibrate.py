@@ -59,7 +59,8 @@ def calibrate_camera(
 ) -> CameraCalibration:
     """Calibrates from what ``BoardDetector`` found in pictures of ``size`` (width, height).
 
-    Blurred views, views that do not fit and single corners that do not are left out. CalibrationError says what to film.
+    Blurred views, views that do not fit and single corners that do not are left out. CalibrationError says what to
+    film.
     """
     say = on_stage or (lambda _: None)
     views = [each for each in found if isinstance(each, BoardView)]
@@ -130,7 +131,8 @@ def _consistent(
             break
         if len(outliers) >= most:
             raise CalibrationError(
-                f"more than {most} of {len(views)} views do not fit the others (the last, {kept[worst].name}, is off by "
+                f"more than {most} of {len(views)} views do not fit the others (the last, {kept[worst].name}, is off "
+                f"by "
                 f"{errors[worst]:.2f} px): is the board flat and its file right, was zoom or focus changed meanwhile, "
                 "and is it the right --model?"
             )

@@ -53,7 +53,8 @@ def check_readable(lens: Lens) -> CameraModel:
     apart = np.abs(theirs - lens.project(points, np.zeros(3), np.zeros(3))).max()
     if not apart < AGREE_PX:
         raise ConfigError(
-            f"Pilotfish reads this {lens.model} lens differently ({apart:.3g} px apart): no file is written that misleads"
+            f"Pilotfish reads this {lens.model} lens differently ({apart:.3g} px apart): no file is written that "
+            f"misleads"
         )
     return model
 

@@ -25,8 +25,8 @@ FIRST_FIT_VIEWS = 6
 
 @dataclass
 class Found:
-    """``views``: BoardView or Rejected of each picture that counts, in order; ``size``: (width, height) of the pictures;
-    ``read``: how many there were; ``outcomes``: of a film, how many pictures came to what."""
+    """``views``: BoardView or Rejected of each picture that counts, in order; ``size``: (width, height) of the
+    pictures; ``read``: how many there were; ``outcomes``: of a film, how many pictures came to what."""
 
     views: list[BoardView | Rejected] = field(default_factory=list)
     size: tuple[int, int] = (0, 0)
@@ -41,8 +41,8 @@ class Found:
 
 @dataclass(frozen=True)
 class Progress:
-    """While a camera runs: how many views there are, where the board was seen, what came of the last picture, and what to
-    do next."""
+    """While a camera runs: how many views there are, where the board was seen, what came of the last picture, and what
+    to do next."""
 
     views: int
     coverage: Coverage

@@ -1,4 +1,5 @@
-"""Where four squares meet, to hundredths of a pixel: a blurred crossing of two edges fitted to the gray levels around it.
+"""Where four squares meet, to hundredths of a pixel: a blurred crossing of two edges fitted to the gray levels around
+it.
 
 OpenCV's corners are good to a tenth of a pixel; fitting what the camera really saw is some five times better, and says
 how blurred it was. With n_1, n_2 the unit normals of the two edges through the corner p, and the lens and the sensor
@@ -13,7 +14,8 @@ exp(-d_i^2 / (2 s_i^2)), the derivatives are
     dg/da_1 = c G_1 E_2 (n_1' . (q - p))             dg/dlog s_1 = -c G_1 E_2 d_1        likewise for 2
 
 The model changes only its sign under q - p -> p - q, but for m: blur that is not Gaussian, and edges that do not cross
-at a right angle, shift no corner. A lens that bends the edges does, by (curvature) (window)^2 / 6, hence a small window.
+at a right angle, shift no corner. A lens that bends the edges does, by (curvature) (window)^2 / 6, hence a small
+window.
 """
 
 from __future__ import annotations
@@ -90,7 +92,8 @@ def fit_corners(
 def _windows(
     image: np.ndarray, starts_px: np.ndarray, edges_px: np.ndarray, clear_share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Offsets from the start (N, P, 2), gray levels (N, P), weights 0 or 1 (N, P), and whether enough of it is there."""
+    """Offsets from the start (N, P, 2), gray levels (N, P), weights 0 or 1 (N, P), and whether enough of it is
+    there."""
     height, width = image.shape
     grid = np.arange(-MAX_WINDOW_PX, MAX_WINDOW_PX + 1)
     dx, dy = (each.ravel() for each in np.meshgrid(grid, grid))

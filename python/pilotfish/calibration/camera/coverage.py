@@ -47,9 +47,9 @@ class Coverage:
 
 @dataclass(frozen=True)
 class Tilts:
-    """How a board was held: ``tilts_deg`` (V,) between its normal and the optical axis, and ``directions_rad`` (V,): the
-    side to which it is tilted, in the picture. It is this angle that counts, not the one with the line of sight: a board
-    parallel to the picture's plane looks the same, only larger, through a longer lens, wherever it is."""
+    """How a board was held: ``tilts_deg`` (V,) between its normal and the optical axis, and ``directions_rad`` (V,):
+    the side to which it is tilted, in the picture. It is this angle that counts, not the one with the line of sight: a
+    board parallel to the picture's plane looks the same, only larger, through a longer lens, wherever it is."""
 
     tilts_deg: np.ndarray
     directions_rad: np.ndarray

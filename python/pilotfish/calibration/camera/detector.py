@@ -32,8 +32,8 @@ class BoardDetector:
             self._find = self._find_charuco
 
     def detect(self, image: np.ndarray, name: str = "", *, diagnose: bool = True) -> BoardView | Rejected:
-        """The board in (H, W) uint8 ``image``. With ``diagnose`` a rejection says, where that can be found out, what was
-        seen instead; that takes longer."""
+        """The board in (H, W) uint8 ``image``. With ``diagnose`` a rejection says, where that can be found out, what
+        was seen instead; that takes longer."""
         ids, starts_px, marker_share = self._find(image)
         return self._located(image, name, ids, starts_px, marker_share, diagnose)
 
@@ -87,7 +87,7 @@ class BoardDetector:
         return why_no_chessboard(self._cv2, self.board, image)
 
     def _find_charuco(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray, float | None]:
-        corners, ids, markers, marker_ids = self._charuco.detectBoard(image)
+        corners, ids, markers, _ = self._charuco.detectBoard(image)
         if ids is None or len(ids) < 4:
             count = 0 if ids is None else len(ids)
             return np.arange(count), np.zeros((count, 2)), None

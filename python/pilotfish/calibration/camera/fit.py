@@ -21,8 +21,9 @@ _FISHEYE_F_SHARE = 1.0 / np.pi  # of the longer side, as OpenCV's first guess: 1
 
 @dataclass(frozen=True)
 class Fit:
-    """``lens``, and of each view (in order) ``rotations`` (V, 3), ``translations_m`` (V, 3) of the board in the camera's
-    frame and ``residuals_px``: (P, 2) seen minus explained. ``free`` (8 or 9,) bool: which parameters were fitted."""
+    """``lens``, and of each view (in order) ``rotations`` (V, 3), ``translations_m`` (V, 3) of the board in the
+    camera's frame and ``residuals_px``: (P, 2) seen minus explained. ``free`` (8 or 9,) bool: which parameters were
+    fitted."""
 
     lens: Lens
     rotations: np.ndarray
@@ -55,7 +56,8 @@ def fit_lens(
     """
     if len(views) < MIN_VIEWS:
         raise CalibrationError(
-            f"only {len(views)} usable views of the board, {MIN_VIEWS} are needed at least, 20 or more are good: take more "
+            f"only {len(views)} usable views of the board, {MIN_VIEWS} are needed at least, 20 or more are good: take "
+            f"more "
             "pictures, sharp ones, with the board large and tilted"
         )
     cv2 = require("cv2", "calibrate")
@@ -68,7 +70,8 @@ def fit_lens(
             fitted = _fisheye(cv2, points, corners, size, start)
     except cv2.error as error:
         raise CalibrationError(
-            f"OpenCV cannot calibrate from these {len(views)} views ({' '.join(str(error.err).split())}): take views in "
+            f"OpenCV cannot calibrate from these {len(views)} views ({' '.join(str(error.err).split())}): take views "
+            f"in "
             "which the board is tilted to different sides by 20 to 45 degrees"
         ) from error
     K, D, rotations, translations = fitted

@@ -35,7 +35,8 @@ class Pictures:
     _source: Iterator[Picture]
 
     def __iter__(self) -> Iterator[Picture]:
-        """The pictures; of a camera without end. CalibrationError at one of another size than the first, by its name."""
+        """The pictures; of a camera without end. CalibrationError at one of another size than the first, by its
+        name."""
         first: tuple[str, tuple[int, int]] | None = None
         for picture in self._source:
             if picture.image is not None:
