@@ -63,7 +63,7 @@ def _distorted(x, y, distortion):
 
 def _undistorted(x_d, y_d, distortion):
     x, y = x_d.copy(), y_d.copy()
-    for _ in range(40):
+    for _ in range(25):
         x_e, y_e = _distorted(x, y, distortion)
         x, y = x + x_d - x_e, y + y_d - y_e
     return x, y

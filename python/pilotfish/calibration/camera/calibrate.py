@@ -21,7 +21,7 @@ from pilotfish.errors import CalibrationError
 
 BLUR_FLOOR_PX = 1.0  # less is no blur worth a picture
 BLUR_FACTOR = 1.8  # of the median
-OUTLIER_FACTOR = 3.0  # of the median view's RMS
+OUTLIER_FACTOR = 3.0  # of the RMS that a quarter of the views stay below: those are right even if many are wrong
 OUTLIER_FLOOR_PX = 0.1
 CORNER_SIGMAS = 6.0
 MAX_DROPPED = 0.34  # share of the views: more, and it is not the views that are wrong
@@ -126,8 +126,8 @@ def _consistent(
     while True:
         errors = fit.view_rms_px
         worst = int(np.argmax(errors))
-        median = float(np.median(errors))
-        if errors[worst] <= max(OUTLIER_FACTOR * median, OUTLIER_FLOOR_PX) or len(kept) <= MIN_VIEWS:
+        typical = float(np.percentile(errors, 25))
+        if errors[worst] <= max(OUTLIER_FACTOR * typical, OUTLIER_FLOOR_PX) or len(kept) <= MIN_VIEWS:
             break
         if len(outliers) >= most:
             raise CalibrationError(
@@ -137,7 +137,7 @@ def _consistent(
                 "and is it the right --model?"
             )
         without = [view for k, view in enumerate(kept) if k != worst]
-        detail = f"off by {errors[worst]:.2f} px (RMS), the median view by {median:.2f} px"
+        detail = f"off by {errors[worst]:.2f} px (RMS), the better views by {typical:.2f} px"
         outliers.append(Rejected(kept[worst].name, kinds.OUTLIER, detail))
         kept, fit = without, fit_lens(without, size, model)
     lengths = np.linalg.norm(np.concatenate(fit.residuals_px), axis=1)

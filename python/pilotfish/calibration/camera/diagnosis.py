@@ -43,7 +43,8 @@ def why_no_chessboard(cv2: ModuleType, board: Board, image: np.ndarray) -> tuple
     found, _, meta = cv2.findChessboardCornersSBWithMeta(image, (smallest, smallest), flags)
     if not found or meta is None:
         return None
-    down, along = meta.shape[:2]
+    # OpenCV counts from any side; said as the file counts: the longer one first, or last.
+    along, down = sorted(meta.shape[:2], reverse=board.columns >= board.rows)
     if {along, down} == set(board.inner_corners):
         return None
     seen, told = f"{along + 1} x {down + 1}", f"{board.columns} x {board.rows}"

@@ -1,33 +1,30 @@
 """What a camera on a robot sees of fixed tags while the robot turns on the spot and then drives straight.
 
-The frames. World w: the base frame b at the first picture of the turn. The camera sits at bMc = (R, p). In picture k
-the base is at wMb_k, a motion of the ground plane, and tag j of the world, at wMt_j, is seen at
+The frames. World w: the base frame b before the turn. The camera sits at bMc = (R, p). In picture k the base is at
+wMb_k, a motion of the ground plane, and tag j of the world, at wMt_j, is seen at
 
     cMt = bMc^-1 wMb_k^-1 wMt_j
 
-Turning on the spot:    wMb_k = (Rz(theta_k), 0), theta_0 = 0: the origin b is where the robot turns about.
-Driving:                wMb_k = start * arc(s_k), where start = (x, y, phi) is a free place on the same ground and arc
-is a
-                        path of one curvature kappa, since no robot drives quite straight:
-                        arc(s) = (sin(kappa s) / kappa, (1 - cos(kappa s)) / kappa, kappa s), for small kappa s by its
-                        series. Its tangent is the base's x axis: wheels do not slip sideways.
+Turning on the spot:   wMb_k = (Rz(theta_k), 0): the origin of b is where the robot turns about.
+Driving:               wMb_k = start * arc(s_k) with start = (x, y, phi), a free place on the same ground, and an arc of
+                       one curvature kappa, since no robot drives quite straight:
+                       arc(s) = (sin(kappa s) / kappa, (1 - cos(kappa s)) / kappa, kappa s).
+                       Its tangent is the base's x axis: wheels do not slip sideways.
 
-What is observable. Let every wMb move the base frame differently: b' = b A with A a constant motion. Then bMc' = A^-1
-bMc, wMb' = wMb A and wMt' as before give the same pictures, and only motions wMb' that are again turns about b' and
-drives along its x axis are allowed.
+What is observable. Define the base frame otherwise, b' = b A with a constant motion A. Then bMc' = A^-1 bMc, wMb' =
+wMb A and wMt give the same pictures. A is seen if wMb' cannot be again turns about b' and drives along its x axis.
 
-- The turn leaves A = a turn about z and a shift along z: it determines the camera's horizontal place up to the
-direction
-  "forward", its tilt and its roll. The shift along z stays: the height cannot be seen. A measured height of the camera, or of
-  one tag (a tag on the floor has 0), gives it; on level ground distance and bearing do not need it.
-- The drive takes the turn about z away: pan, and the place forward and to the left.
-- A drive without a turn determines pan, tilt up to the slope of the road, but neither place nor roll.
+- The turn leaves A = a turn about z and a shift along z. It determines how far the camera is from the turning centre,
+  its tilt and its roll. The shift along z cannot be seen in any motion on level ground: the height. A measured height
+  of the camera, or of one tag (a tag on the floor has 0), gives it; distance and bearing do not need it.
+- The drive excludes the turn about z: it gives pan, and how much of the distance is forward and how much to the left.
+- A drive alone leaves the place and, about the direction driven, the roll.
 
 Unknowns shared by all pictures: R (3), p_x, p_y; six for each tag; of the drive x, y, phi, kappa. Each picture has
 three of its own: theta_k and how far the base slipped away from the turning centre (dx, dy), or s_k and by how much it
-left the path (dy, dheading). Slips are small: each is a measurement of 0 with a standard deviation of its own, which is
-learned from the pictures (``Slip``). Residuals are the tags' corners in pixels, as in ``calibration.body``, and the
-slips in units of their standard deviations times the corners'.
+left the path (dy, dheading). Slips are small: each is a measurement of 0 with a standard deviation that is learned from
+the pictures (``Slip``). Residuals are the tags' corners in pixels, as in ``calibration.body``, and the slips in units
+of their standard deviations, times the corners'.
 """
 
 from __future__ import annotations
