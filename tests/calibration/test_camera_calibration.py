@@ -139,13 +139,8 @@ def test_many_wrong_views_are_never_taken_for_a_calibration():
     for k in range(9):
         points = views[k].points_m * rng.uniform(0.7, 1.3, 3)
         views[k] = dataclasses.replace(views[k], points_m=points)
-    try:
-        verdict = calibrate_camera(views, SIZE, CHARUCO).verdict
-    except CalibrationError as error:
-        assert "do not fit" in str(error)
-    else:
-        assert verdict.grade == "do again"
-        assert "the corners are off" in " ".join(verdict.reasons)
+    with pytest.raises(CalibrationError, match="do not fit the others"):
+        calibrate_camera(views, SIZE, CHARUCO)
 
 
 def test_views_that_took_no_part_fit_as_well_as_the_noise_allows():
@@ -163,6 +158,6 @@ def test_noise_that_a_whole_view_has_in_common_widens_what_is_said_to_be_known()
         bow = 0.002 * rng.normal() * (view.points_m[:, 0] / 0.24 - 0.5) ** 2
         off = np.stack([np.zeros(len(view)), bow * 2000.0], axis=1)
         bent.append(dataclasses.replace(view, corners_px=view.corners_px + off))
-    fit, known = fit_best(bent, SIZE, "pinhole")
+    _, known = fit_best(bent, SIZE, "pinhole")
     assert known.jackknife[0, 0] > 1.5 * known.least_squares[0, 0]
     assert known.sigma[0] == pytest.approx(np.sqrt(known.jackknife[0, 0]))

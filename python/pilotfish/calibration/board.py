@@ -27,7 +27,7 @@ DICTIONARIES = {f"DICT_{n}X{n}_{size}": (n, size) for n in (4, 5, 6, 7) for size
 """OpenCV's dictionaries of markers: bits along a side, number of markers."""
 SQUARES = (4, 40)  # along either side: OpenCV's chessboard detector needs three inner corners
 SQUARE_M = (0.002, 0.5)
-# Of the square's side: below, the markers are needlessly hard to read; above, their white ring is too thin to find them.
+# Of the square's side: below, the markers are needlessly hard to read; above, their white ring is too thin.
 MARKER_SHARE = (0.4, 0.9)
 _KEYS = {
     "charuco": ("kind", "columns", "rows", "square_m", "marker_m", "dictionary"),
@@ -98,8 +98,8 @@ class Board:
 
 
 def read_board(path: str | Path) -> Board:
-    """The board of a YAML file. MissingFileError if there is none, ConfigError with the file, the key, its value and what
-    is allowed."""
+    """The board of a YAML file. MissingFileError if there is none, ConfigError with file, key, value and what is
+    allowed."""
     try:
         return _board_of(yaml.safe_load(read_text(path)))
     except yaml.YAMLError as error:

@@ -1,8 +1,8 @@
 """Where four squares meet, to hundredths of a pixel: a blurred crossing of two edges, fitted to the gray levels there.
 
-OpenCV's corners are good to a tenth of a pixel; fitting what the camera really saw is some ten times better in renders,
-and says how blurred it was. With n_1, n_2 the unit normals of the two edges through the corner p, and the lens and the sensor
-blurring each by a Gaussian of s_1, s_2, the gray level at q is
+OpenCV's corners are good to a tenth of a pixel; fitting what the camera really saw is some ten times better in
+renders, and says how blurred it was. With n_1, n_2 the unit normals of the two edges through the corner p, and the lens
+and the sensor blurring each by a Gaussian of s_1, s_2, the gray level at q is
 
     g(q) = m + c E_1 E_2,    E_i = erf(d_i / (sqrt(2) s_i)),    d_i = n_i . (q - p),    n_i = (cos a_i, sin a_i)
 
