@@ -1,4 +1,5 @@
-"""Where a camera sits on its robot, from corners projected by the true mounting: exact, honest, and what cannot be seen."""
+"""Where a camera sits on its robot, from corners projected by the true mounting: exact, honest, and what cannot be
+seen."""
 
 import numpy as np
 import pytest

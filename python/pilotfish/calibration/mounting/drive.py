@@ -32,16 +32,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.sparse import csc_array
 
 from pilotfish.calibration.body.projection import project
 from pilotfish.calibration.body.rigid import inverse, moved, transform
 from pilotfish.calibration.body.sightings import Sightings
 from pilotfish.calibration.covariance import Block
+from pilotfish.calibration.mounting.solver import minimise
 from pilotfish.core import CameraModel
 
 STEP = 1e-6  # of the numeric derivative, in metres and radians
-MAX_EVALUATIONS = 60
 CAMERA, PLACE = slice(0, 3), slice(3, 5)  # of the shared unknowns: R's step, p
 
 
@@ -208,19 +208,8 @@ class DriveBundle:
 
     def solve(self, *, robust_scale_px: float | None = None) -> Drive:
         """The Drive that explains the corners best; with a scale, residuals beyond it count linearly (soft L1)."""
-        found = least_squares(
-            self.residuals,
-            np.zeros(self.unknowns),
-            self.jacobian,
-            x_scale="jac",
-            loss="soft_l1" if robust_scale_px else "linear",
-            f_scale=robust_scale_px or 1.0,
-            xtol=1e-9,
-            ftol=1e-9,
-            gtol=1e-9,
-            max_nfev=MAX_EVALUATIONS,
-        )
-        return self.drive(found.x)
+        x = minimise(self.residuals, lambda x: csc_array(self.jacobian(x)), self.unknowns, robust_scale=robust_scale_px)
+        return self.drive(x)
 
     def learned_slip(self) -> Slip:
         """Slips' standard deviations as the pictures show them, at the Drive this was made with.
