@@ -45,7 +45,11 @@ def check_readable(lens: Lens) -> CameraModel:
         try:
             model = load_calibration(str(file))
         except ValueError as error:
-            raise ConfigError(f"Pilotfish cannot read this lens: {error}") from error
+            said = str(error).replace(f" (in {file})", "")
+            raise ConfigError(
+                f"Pilotfish cannot read a {lens.model} lens like this one: {said}. Without --out there is the report "
+                f"alone"
+            ) from error
     x, y = np.meshgrid(np.linspace(-0.8, 0.8, 9), np.linspace(-0.8, 0.8, 9))
     half = np.array([lens.width / (2 * lens.fx), lens.height / (2 * lens.fy)])
     points = np.stack([x.ravel() * half[0], y.ravel() * half[1], np.ones(x.size)], axis=-1)
