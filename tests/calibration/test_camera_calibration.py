@@ -7,8 +7,9 @@ import pytest
 from board_views import CHARUCO, SIZE, views_of
 from rendered_boards import TrueCamera, TrueFisheye, poses, render
 
-from pilotfish.calibration.camera import BoardDetector, Lens, calibrate_camera, fit_best
+from pilotfish.calibration.camera import BoardDetector, BoardView, Lens, calibrate_camera, fit_best
 from pilotfish.calibration.camera.calibrate import CameraCalibration
+from pilotfish.calibration.camera.coverage import coverage_of
 from pilotfish.errors import CalibrationError
 
 CAMERA = TrueCamera()
@@ -82,6 +83,17 @@ def test_views_in_the_middle_alone_are_not_good():
     assert result.verdict.grade != "good"
     said = " ".join(result.verdict.reasons)
     assert "no corners in the" in said and "upper left" in said
+
+
+def test_the_empty_parts_of_the_picture_are_named():
+    rng = np.random.default_rng(1)
+    left = rng.uniform([0, 0], [200, 479], (300, 2))  # the left third, of 213 px
+    view = BoardView("left", np.arange(300), np.zeros((300, 3)), left)
+    coverage = coverage_of([view], SIZE)
+    wanted = {"upper middle", "upper right", "middle", "right", "lower middle", "lower right"}
+    assert set(coverage.empty_regions) == wanted
+    assert coverage.share == pytest.approx(3 / 8)  # 2.5 of 8 columns
+    assert all(line[:4].strip() and not line[6:].strip() for line in coverage.text())
 
 
 def test_views_without_tilt_leave_the_focal_length_open_and_say_so():
