@@ -7,9 +7,10 @@ import pytest
 from board_views import CHARUCO, SIZE, views_of
 from rendered_boards import TrueCamera, TrueFisheye, poses, render
 
-from pilotfish.calibration.camera import BoardDetector, BoardView, Lens, calibrate_camera, fit_best
+from pilotfish.calibration.camera import BoardDetector, BoardView, Lens, calibrate_camera, fit_best, unseen
 from pilotfish.calibration.camera.calibrate import CameraCalibration
 from pilotfish.calibration.camera.coverage import coverage_of
+from pilotfish.calibration.camera.fit import fit_lens, fit_pose
 from pilotfish.errors import CalibrationError
 
 CAMERA = TrueCamera()
@@ -160,6 +161,27 @@ def test_views_that_took_no_part_fit_as_well_as_the_noise_allows():
     result = calibrate_camera(views_of(CHARUCO, CAMERA, 25, 5), SIZE, CHARUCO)
     assert result.unseen.rms_px == pytest.approx(0.05 * np.sqrt(2), rel=0.1)
     assert result.unseen.folds == 5
+
+
+def test_a_view_is_tested_by_lenses_that_have_not_seen_it(monkeypatch):
+    fits, tests = [], []
+
+    def fit(views, *arguments, **options):
+        fits.append({view.name for view in views})
+        return fit_lens(views, *arguments, **options)
+
+    def pose(lens, view, *arguments):
+        tests.append((len(fits) - 1, view.name))
+        return fit_pose(lens, view, *arguments)
+
+    views = views_of(CHARUCO, CAMERA, 12, 5)
+    found = fit_lens(views, SIZE, "pinhole")
+    monkeypatch.setattr(unseen, "fit_lens", fit)
+    monkeypatch.setattr(unseen, "fit_pose", pose)
+    assert unseen.unseen_views(views, found).folds == 5
+    assert sorted(name for _, name in tests) == sorted(view.name for view in views)
+    assert all(name not in fits[number] for number, name in tests)
+    assert all(len(each) >= 9 for each in fits)  # of 12 views, 2 or 3 are left out at a time
 
 
 def test_noise_that_a_whole_view_has_in_common_widens_what_is_said_to_be_known():
