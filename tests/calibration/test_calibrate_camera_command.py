@@ -19,6 +19,7 @@ from pilotfish.calibration.board import write_board
 from pilotfish.calibration.camera import (
     BoardDetector,
     Lens,
+    check_film,
     check_model_readable,
     worthwhile_pictures,
     write_calibration,
@@ -27,7 +28,7 @@ from pilotfish.calibration.camera.calibration_file import calibration_text
 from pilotfish.calibration.camera.choosing import CHOSEN, KNOWN, MOVED, NOTHING, Chosen, Corners, consider
 from pilotfish.calibration.camera.pictures import VIDEO, Picture, Pictures
 from pilotfish.cli import app
-from pilotfish.errors import ConfigError
+from pilotfish.errors import CalibrationError, ConfigError
 
 BOARD = "charuco:8x6:30mm:22mm"
 CAMERA = TrueCamera()
@@ -192,6 +193,24 @@ def test_of_a_film_the_worthwhile_pictures_are_taken(images):
     assert len(found.usable) == 4
     assert [view.name for view in found.usable][:2] == ["frame 1", "frame 4"]
     assert found.outcomes[CHOSEN] == 4
+
+
+def test_a_film_in_which_the_board_never_stands_still_says_so(images):
+    frames = [Picture(f"frame {k}", image) for k, image in enumerate(images[:6])]
+    found = worthwhile_pictures(Pictures(VIDEO, None, iter(frames)), BoardDetector(CHARUCO), wanted=4)
+    with pytest.raises(CalibrationError, match=r"6 pictures \(6 moving\) gave 0 views .* hold the board still"):
+        check_film(found)
+
+
+def test_a_film_file_becomes_a_calibration(images, tmp_path):
+    film = tmp_path / "board.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter_fourcc(*"MJPG"), 15, SIZE)
+    for image in np.repeat(images, 2, axis=0):
+        writer.write(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR))
+    writer.release()
+    result, said = run(film, "--board", BOARD, "--out", tmp_path / "camera.yaml")
+    assert result.exit_code == 0, said
+    assert coordinator.load_calibration(str(tmp_path / "camera.yaml")).fx == pytest.approx(CAMERA.fx, rel=5e-4)
 
 
 def test_ctrl_c_ends_a_film_with_what_there_is(images):

@@ -107,6 +107,8 @@ def camera(
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)
         found = _look(pictures, detector, model.value, views, every)
+        if pictures.kind != calibration.FOLDER:
+            calibration.check_film(found)
         with console.status("fitting") as status:
             result = calibration.calibrate_camera(
                 found.views, found.size, the_board, model=model.value, on_stage=status.update

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pilotfish.calibration.camera import views as kinds
-from pilotfish.calibration.camera.choosing import CHOSEN, NOTHING, Chosen, Corners, consider
+from pilotfish.calibration.camera.choosing import CHOSEN, KNOWN, MOVED, NOTHING, Chosen, Corners, consider
 from pilotfish.calibration.camera.coverage import Coverage, coverage_of, tilts_of
 from pilotfish.calibration.camera.detector import BoardDetector
-from pilotfish.calibration.camera.fit import fit_lens, uncertainty
+from pilotfish.calibration.camera.fit import MIN_VIEWS, fit_lens, uncertainty
 from pilotfish.calibration.camera.pictures import Pictures
 from pilotfish.calibration.camera.verdict import GOOD, judge
 from pilotfish.calibration.camera.views import BoardView, Rejected
@@ -117,6 +117,25 @@ def worthwhile_pictures(
     except KeyboardInterrupt:
         pass
     return found
+
+
+def check_film(found: Found) -> None:
+    """CalibrationError if a film led to too few views although the board is in it: it says what the board did."""
+    refused = any(isinstance(each, Rejected) for each in found.views)
+    if len(found.usable) >= MIN_VIEWS or refused:
+        return
+    counted = ", ".join(f"{count} {what}" for what, count in found.outcomes.most_common()) or "none looked at"
+    hint = "show the board to the camera, all of it in focus"
+    if found.outcomes[MOVED] or found.outcomes[KNOWN]:
+        hint = (
+            "hold the board still for a moment in every new place (two pictures running, of those that --every looks "
+            "at)"
+        )
+    raise CalibrationError(
+        f"{found.read} pictures ({counted}) gave {len(found.usable)} views of the board, {MIN_VIEWS} are needed at "
+        f"least, "
+        f"20 or more are good: {hint}"
+    )
 
 
 def _advice(found: Found, coverage: Coverage, model: str) -> tuple[str, bool]:
