@@ -227,7 +227,10 @@ def _result(
             values.append(np.concatenate([place, pan_tilt_roll(near.bMc[:3, :3])]))
         rows.append((values[0] - values[1]) / (2 * eps))
     J = np.stack(rows, axis=1)
-    both = [np.diag(J @ c @ J.T) for c in (uncertainty.least_squares, uncertainty.jackknife)]
+    both = [
+        np.diag(J @ c @ J.T) if np.isfinite(c).all() else np.full(6, np.inf)  # 0 times infinity would be no number
+        for c in (uncertainty.least_squares, uncertainty.jackknife)
+    ]
     sigma = np.sqrt(np.maximum(*both))
     missing = []
     if z_m is None:
