@@ -45,7 +45,7 @@ def print_camera_report(found: Found, calibration: CameraCalibration) -> None:
         counted = ", ".join(f"{count} {what}" for what, count in found.outcomes.most_common())
         console.print(f"{found.read} pictures: {counted}", soft_wrap=True)
     for each in calibration.rejected:
-        console.print(f"left out {each.name}: {each.why}: {each.detail}", soft_wrap=True, markup=False)
+        console.print(f"left out {each.name}: {each.why}: {each.detail}", soft_wrap=True, markup=False, highlight=False)
     if calibration.dropped_corners:
         console.print(f"{calibration.dropped_corners} single corners did not fit and were left out", soft_wrap=True)
     console.print(
