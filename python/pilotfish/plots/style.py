@@ -1,13 +1,33 @@
-"""One look for all pictures: colours that colour-blind readers can tell apart, sizes, how files are
-written."""
+"""One look for all pictures: what each colour means, sizes, how files are written.
+
+A colour has one meaning in all pictures of Pilotfish. The eight are Okabe's and Ito's, which colour-blind readers can
+tell apart; in gray, and where lines meet, the dash patterns of ``plots/laws.py`` tell them apart.
+
+=============  ==========================================================================================
+colour         meaning
+=============  ==========================================================================================
+blue           law *anticipate*: its errors, its commands, the path of a robot it drives
+purple         law *paper*, likewise
+green          *ViSP's servo* (law ``pbvs``), likewise; ViSP's trackers in the benchmark of vision
+vermillion     *PID* (law ``pid``), likewise
+sky            any other law, and a robot of whose law nothing is known
+orange         what was measured by the camera: dots beside a true value, outlines of tags
+ink            the leader, and the fuzzy law itself: what it answers, not what it did (black, white if dark)
+gray           setpoints, bands, lines of sight: what is asked for or helps to read
+dark to light  a normalised value from -1 to 1 (fuzzy sets, control surface), as its colour bar says
+=============  ==========================================================================================
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib as mpl
+from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 # Okabe and Ito's palette.
@@ -21,11 +41,77 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
     "#D55E00",
     "#CC79A7",
 )
-LEADER, FOLLOWER, SETPOINT, STANDING = VERMILLION, BLUE, "#555555", GREEN
-TERMS = (BLUE, SKY, GREEN, BLACK, YELLOW, ORANGE, VERMILLION, PURPLE)
+SETPOINT = "#555555"
 
+FORMATS = ("png", "svg", "pdf")
 DPI = 150
-_SETTINGS = {
+
+
+@dataclass(frozen=True)
+class Look:
+    """The palette above, by meaning, for one background; every colour as ``#RRGGBB``."""
+
+    name: str
+    background: str
+    ink: str  # text, axes, leader
+    guide: str  # setpoints, bands, lines of sight
+    grid: str
+    anticipate: str
+    paper: str
+    pbvs: str
+    pid: str
+    other_law: str
+    measured: str
+    value_range: tuple[float, float]  # the part of matplotlib's cividis that stands out from the background
+
+    @property
+    def values(self) -> Colormap:
+        """Colours of normalised values, -1 to 1 as 0 to 1."""
+        low, high = self.value_range
+        cividis = mpl.colormaps["cividis"]
+        return ListedColormap([cividis(low + (high - low) * step / 255) for step in range(256)], f"values {self.name}")
+
+    @property
+    def settings(self) -> dict[str, object]:
+        """matplotlib's settings."""
+        texts = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
+        grounds = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
+        colours = dict.fromkeys(texts, self.ink) | dict.fromkeys(grounds, self.background)
+        return _SETTINGS | colours | {"grid.color": self.grid}
+
+
+LIGHT = Look(
+    name="light",
+    background="#FFFFFF",
+    ink="#000000",
+    guide=SETPOINT,
+    grid="#DDDDDD",
+    anticipate=BLUE,
+    paper=PURPLE,
+    pbvs=GREEN,
+    pid=VERMILLION,
+    other_law=SKY,
+    measured=ORANGE,
+    value_range=(0.0, 0.82),
+)
+# The same hues, lighter: on #14171A each has a contrast of at least 4.5 to 1 (tested).
+DARK = Look(
+    name="dark",
+    background="#14171A",
+    ink="#F2F2F2",
+    guide="#A8A8A8",
+    grid="#33383D",
+    anticipate="#3D9BE0",
+    paper="#E39CC6",
+    pbvs="#1FC796",
+    pid="#FF7A33",
+    other_law="#A6DCFF",
+    measured="#F5B82E",
+    value_range=(0.42, 1.0),
+)
+
+_SETTINGS: dict[str, object] = {
+    "font.family": ["DejaVu Sans"],
     "font.size": 10,
     "axes.titlesize": 11,
     "axes.titleweight": "bold",
@@ -33,24 +119,37 @@ _SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
-    "grid.color": "#DDDDDD",
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "lines.linewidth": 1.6,
     "figure.constrained_layout.use": True,
+    "svg.fonttype": "none",  # text stays text: it can be searched, copied and edited
+    "svg.hashsalt": "pilotfish",  # the same picture gives the same file
+    "pdf.fonttype": 42,
 }
+_UNDATED = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 @contextmanager
-def style() -> Iterator[None]:
-    """Draw inside ``with style():``; the caller's own settings of matplotlib are left alone."""
-    with mpl.rc_context(_SETTINGS):
+def style(look: Look = LIGHT) -> Iterator[None]:
+    """Draw inside ``with style(look):``; the caller's own settings of matplotlib are left alone."""
+    with mpl.rc_context(look.settings):
         yield
 
 
-def save(figure: Figure, file: str | Path) -> Path:
-    """Writes the figure (the suffix says the format) and returns where."""
+def save(figure: Figure, file: str | Path, look: Look = LIGHT) -> Path:
+    """Writes the figure (the suffix says the format) and returns where. ``look`` is the one it was drawn with: ticks
+    are made as late as here."""
     file = Path(file)
     file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, dpi=DPI)
+    with style(look):
+        figure.savefig(file, dpi=DPI, metadata=_UNDATED.get(file.suffix[1:].lower()))
     return file
+
+
+def to_png(figure: Figure, look: Look = LIGHT) -> bytes:
+    """The bytes of a PNG file."""
+    stream = BytesIO()
+    with style(look):
+        figure.savefig(stream, format="png", dpi=DPI)
+    return stream.getvalue()
