@@ -24,15 +24,17 @@ def draw_comparison(experiments: Mapping[str, Runs], look: Look = LIGHT) -> Figu
     the bearing error and the command."""
     with style(look):
         figure = Figure(figsize=(5.6 * len(experiments), 9.6))
-        grid = figure.subplots(
-            len(_PANELS), len(experiments), squeeze=False, sharex="col", sharey="row", height_ratios=(3, 3, 2, 2, 2)
-        )
+        shape = (len(_PANELS), len(experiments))
+        grid = figure.subplots(*shape, squeeze=False, sharex="col", height_ratios=(3, 3, 2, 2, 2))
         for column, (title, runs) in zip(grid.T, experiments.items(), strict=True):
             column[0].set_title(title)
             for axes, draw in zip(column, _PANELS, strict=True):
                 draw(axes, runs, look)
-                axes.tick_params(labelleft=True)
             column[-1].set_xlabel("time [s]")
+        for row in grid[:2]:  # distance errors are compared between experiments as well
+            for axes in row[1:]:
+                axes.sharey(row[0])
+            row[0].autoscale_view()
         figure.align_ylabels()
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), handlelength=3.5)

@@ -11,6 +11,7 @@ from pilotfish.metrics import SETTLING_BAND_M, evaluate, steady_window
 from pilotfish.number_text import millimetres
 from pilotfish.plots.laws import LawStyle, law_styles
 from pilotfish.plots.style import LIGHT, Look, style
+from pilotfish.plots.traces import limit_time
 from pilotfish.recording import FloatArray, Recording
 
 MIN_MAGNIFIED_MM = 0.2  # height of the magnified axes, at least
@@ -28,7 +29,7 @@ def draw_distance_error(recording: Recording, title: str, look: Look = LIGHT) ->
         _draw_bearing_on(bearing, recording, look)
         _draw_command_on(speed, turn, recording, look)
         turn.set_xlabel("time [s]")
-        turn.set_xlim(0.0, recording.time_s[-1] - recording.time_s[0])
+        limit_time(turn, recording.time_s[-1] - recording.time_s[0])
         figure.align_ylabels()
     return figure
 
@@ -89,9 +90,9 @@ def _draw_command_on(speed: Axes, turn: Axes, recording: Recording, look: Look) 
     leader = {"color": look.ink, "linewidth": 1.0, "linestyle": "--", "label": "the leader's speed"}
     speed.plot(time_s, recording.leader_linear_mps, **leader)
     speed.set_ylabel("speed [m/s]")
-    speed.legend(loc="upper right", ncols=2)
+    speed.legend(loc="best", ncols=2)
     turn.set_ylabel("turn rate [°/s]")
-    turn.legend(loc="upper right")
+    turn.legend(loc="best")
 
 
 def _own_line(recording: Recording, look: Look, **changes: object) -> dict[str, object]:

@@ -6,7 +6,7 @@ tell apart; in gray, and where lines meet, the dash patterns of ``plots/laws.py`
 =============  ==========================================================================================
 colour         meaning
 =============  ==========================================================================================
-blue           law *anticipate*: its errors, its commands, the path of a robot it drives
+blue           law *anticipate*: its errors, its commands, the path of a robot it drives; our trackers likewise
 purple         law *paper*, likewise
 green          *ViSP's servo* (law ``pbvs``), likewise; ViSP's trackers in the benchmark of vision
 vermillion     *PID* (law ``pid``), likewise
@@ -99,7 +99,7 @@ DARK = Look(
     name="dark",
     background="#14171A",
     ink="#F2F2F2",
-    guide="#A8A8A8",
+    guide="#8A9095",
     grid="#33383D",
     anticipate="#3D9BE0",
     paper="#E39CC6",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 from pilotfish.plots.laws import law_styles
 from pilotfish.plots.style import LIGHT, Look
@@ -72,4 +72,10 @@ def _draw(
     styles = law_styles(runs, look)
     for law, run in runs.items():
         axes.plot(run.time_s - run.time_s[0], quantity(run), **styles[law].line())
-    axes.set_xlim(0.0, max(run.time_s[-1] - run.time_s[0] for run in runs.values()))
+    limit_time(axes, max(run.time_s[-1] - run.time_s[0] for run in runs.values()))
+
+
+def limit_time(axes: Axes, duration_s: float) -> None:
+    """From 0 to the next tenth of a second, so that a run of 19.97 s ends at a tick that says 20."""
+    axes.set_xlim(0.0, np.ceil(10.0 * duration_s) / 10.0)
+    axes.xaxis.set_major_locator(MaxNLocator(steps=(1, 2, 5, 10)))
