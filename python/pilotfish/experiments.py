@@ -105,9 +105,10 @@ def metrics_table(results: Sequence[Result], title: str = "Following by sight") 
     """One column a run, one row a figure; pilotfish.metrics defines each. Four columns fit into 80 characters."""
     table = Table(title=title, title_justify="left", caption=NOTE, caption_justify="left", box=box.SIMPLE_HEAD)
     table.add_column("", no_wrap=True)
-    for result in results:
-        *where, law = run_names(result)
-        table.add_column("\n".join([*where, *law.split()]), justify="right")
+    heads = [[*where, *law.split()] for *where, law in map(run_names, results)]
+    height = max(map(len, heads))
+    for head in heads:  # rich aligns heads at the bottom
+        table.add_column("\n".join([*head, *[" "] * (height - len(head))]), justify="right")
     for label, texts in metrics_rows(results):
         markup = [f"[red]{text}[/]" if text == NOT_SETTLED else text for text in texts]
         table.add_row(label, *markup)
@@ -126,7 +127,7 @@ def metrics_rows(results: Sequence[Result]) -> list[tuple[str, list[str]]]:
     return [(label, [text(result) for result in results]) for label, text in _ROWS]
 
 
-NOT_SETTLED = "not settled"
+NOT_SETTLED = "never"
 
 
 def _settling(result: Result) -> str:

@@ -16,7 +16,7 @@ from pilotfish.plots.fuzzy_explanation import draw_explanation
 from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
 from pilotfish.plots.overview import Summary, draw_overview
 from pilotfish.plots.paths import draw_paths
-from pilotfish.plots.style import LIGHT, Look
+from pilotfish.plots.style import LIGHT, Theme
 from pilotfish.plots.surface import draw_surface
 from pilotfish.recording import Recording
 
@@ -45,23 +45,23 @@ def _law() -> fuzzy.Controller:
     return fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
 
 
-def _explanation(look: Look) -> Figure:
-    return draw_explanation(_law(), -0.2, 0.1, fuzzy.InputWidths(error=0.1), look)
+def _explanation(theme: Theme) -> Figure:
+    return draw_explanation(_law(), -0.2, 0.1, fuzzy.InputWidths(error=0.1), theme)
 
 
 DRAW = {
-    "one run": lambda look: draw_distance_error(exponential_run(), "A run", look),
-    "paths": lambda look: draw_paths([exponential_run()], "From above", look),
-    "paths of a chain": lambda look: draw_paths(chain(), "A chain", look),
-    "comparison": lambda look: draw_comparison({"A line": runs(*LAWS), "A circle": runs(*LAWS)}, look),
-    "comparison of unknown laws": lambda look: draw_comparison({"A line": runs("mine", "yours", "paper")}, look),
-    "overview": lambda look: draw_overview([Summary(name, runs(*LAWS), view(3.0)) for name in ("a", "b")], look),
-    "fuzzy sets": lambda look: draw_fuzzy_sets(_law(), look=look),
-    "surface": lambda look: draw_surface(_law(), look=look),
-    "curve": lambda look: draw_curve(_law(), analyse(_law()), look=look),
+    "one run": lambda theme: draw_distance_error(exponential_run(), "A run", theme),
+    "paths": lambda theme: draw_paths([exponential_run()], "From above", theme),
+    "paths of a chain": lambda theme: draw_paths(chain(), "A chain", theme),
+    "comparison": lambda theme: draw_comparison({"A line": runs(*LAWS), "A circle": runs(*LAWS)}, theme),
+    "comparison of unknown laws": lambda theme: draw_comparison({"A line": runs("mine", "yours", "paper")}, theme),
+    "overview": lambda theme: draw_overview([Summary(name, runs(*LAWS), view(3.0)) for name in ("a", "b")], theme),
+    "fuzzy sets": lambda theme: draw_fuzzy_sets(_law(), theme=theme),
+    "surface": lambda theme: draw_surface(_law(), theme=theme),
+    "curve": lambda theme: draw_curve(_law(), analyse(_law()), theme=theme),
     "explanation": _explanation,
 }
 
 
-def drawn(which: str, look: Look = LIGHT) -> Figure:
-    return DRAW[which](look)
+def drawn(which: str, theme: Theme = LIGHT) -> Figure:
+    return DRAW[which](theme)

@@ -82,10 +82,9 @@ def test_odd_names_and_texts_do_no_harm(tmp_path):
 
 
 def test_a_dark_page_has_the_dark_colours(tmp_path):
-    pages = [
-        write_page(tmp_path / look.name / "index.html", "t", "i", [], look=look).read_text() for look in (LIGHT, DARK)
-    ]
-    assert DARK.background in pages[1] and DARK.background not in pages[0]
+    files = [write_page(tmp_path / t.name / "index.html", "t", "i", [], theme=t) for t in (LIGHT, DARK)]
+    pages = [file.read_text() for file in files]
+    assert DARK.ground in pages[1] and DARK.ground not in pages[0]
     assert 'content="light"' in pages[0] and 'content="dark"' in pages[1]
 
 

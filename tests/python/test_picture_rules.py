@@ -20,7 +20,7 @@ from pilotfish.plots.style import DARK, LIGHT, save
 
 README = (Path(__file__).parents[2] / "README.md").read_text()
 EVERY_PICTURE = pytest.mark.parametrize("which", DRAW)
-BOTH_LOOKS = pytest.mark.parametrize("look", [LIGHT, DARK], ids=lambda look: look.name)
+BOTH_LOOKS = pytest.mark.parametrize("theme", [LIGHT, DARK], ids=lambda theme: theme.name)
 
 # Words, then the unit in brackets; "[-]" for a number without one.
 LABEL = re.compile(r"^\w.*\[(m|mm|s|m/s|°|°/s|-)\]", re.DOTALL)
@@ -28,13 +28,13 @@ LABEL = re.compile(r"^\w.*\[(m|mm|s|m/s|°|°/s|-)\]", re.DOTALL)
 
 @pytest.fixture(scope="module")
 def as_png(tmp_path_factory):
-    """Draws and writes a picture, once for all tests: (which, look) -> figure, file."""
+    """Draws and writes a picture, once for all tests: (which, theme) -> figure, file."""
     folder = tmp_path_factory.mktemp("pictures")
 
     @cache
-    def write(which, look):
-        figure = drawn(which, look)
-        return figure, save(figure, folder / f"{which}_{look.name}.png", look)
+    def write(which, theme):
+        figure = drawn(which, theme)
+        return figure, save(figure, folder / f"{which}_{theme.name}.png")
 
     return write
 
@@ -112,16 +112,16 @@ def contrast(one, other):
 
 @EVERY_PICTURE
 @BOTH_LOOKS
-def test_every_text_stands_out_from_the_ground(which, look, as_png):
-    figure, _ = as_png(which, look)
+def test_every_text_stands_out_from_the_ground(which, theme, as_png):
+    figure, _ = as_png(which, theme)
     texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
     assert len(texts) > 5
-    assert min(contrast(text.get_color(), look.background) for text in texts) >= 4.5
+    assert min(contrast(text.get_color(), theme.ground) for text in texts) >= 4.5
 
 
 def test_in_the_dark_every_colour_stands_out_from_the_ground():
     colours = (DARK.anticipate, DARK.paper, DARK.pbvs, DARK.pid, DARK.other_law, DARK.measured, DARK.ink, DARK.guide)
-    assert min(contrast(colour, DARK.background) for colour in colours) >= 4.5
+    assert min(contrast(colour, DARK.ground) for colour in colours) >= 4.5
 
 
 # Machado, Oliveira, Fernandes, "A Physiologically-based Model for Simulation of Color Vision Deficiency" (2009),
@@ -144,16 +144,16 @@ def lab(colour, matrix):
 
 @BOTH_LOOKS
 @pytest.mark.parametrize("eyes", SEEN_BY)
-def test_colour_blind_readers_tell_the_laws_and_the_leader_apart(look, eyes):
+def test_colour_blind_readers_tell_the_laws_and_the_leader_apart(theme, eyes):
     """2.3 is a just noticeable difference of CIE76; five of them between any two."""
-    colours = [look.anticipate, look.paper, look.pbvs, look.pid, look.ink, look.guide]
+    colours = [theme.anticipate, theme.paper, theme.pbvs, theme.pid, theme.ink, theme.guide]
     seen = [lab(colour, SEEN_BY[eyes]) for colour in colours]
     assert min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2)) > 11.5
 
 
 @EVERY_PICTURE
 def test_dark_and_light_pictures_differ(which, as_png):
-    files = {look.name: as_png(which, look)[1] for look in (LIGHT, DARK)}
+    files = {theme.name: as_png(which, theme)[1] for theme in (LIGHT, DARK)}
     levels = {name: np.median(np.asarray(Image.open(file).convert("L"))) for name, file in files.items()}
     assert levels["light"] == 255
     assert levels["dark"] < 40

@@ -119,10 +119,10 @@ def test_the_dots_lie_behind_the_true_curve():
 
 
 def test_the_magnified_error_shows_the_steady_state_with_its_measurements():
-    # e = -100 mm, measured 1 mm farther: dots at -101 mm. The window is theirs with a margin, not the 1.4 m before.
-    low, high = draw_distance_error(exponential_run(), "").axes[1].get_ylim()
-    assert -103.0 < low < -101.0
-    assert -100.0 < high < -99.0
+    # From 10 s on e rises from -100 - 1300 exp(-10 / 1.5) = -101.65 mm to -100.00, and is measured 1 mm farther, from
+    # -102.65 mm: a span of 2.65 mm, and half of it as a margin on either side.
+    limits_mm = draw_distance_error(exponential_run(), "").axes[1].get_ylim()
+    assert limits_mm == pytest.approx((-102.65 - 1.33, -100.0 + 1.33), abs=0.02)
 
 
 def test_a_run_in_which_nothing_was_measured_is_drawn_without_dots():

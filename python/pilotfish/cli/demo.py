@@ -109,7 +109,7 @@ def _save_overview(results: Sequence[Result], into: Gallery) -> tuple[Picture, l
         "Where the robots went, one picture of the camera, and over time the distance error in metres and, as RMS on a "
         "logarithmic axis, in millimetres, the bearing error and the commanded speed."
     )
-    return into.save(draw_overview(summaries, into.look), "overview", "Overview", shows), films
+    return into.save(draw_overview(summaries, into.theme), "overview", "Overview", shows), films
 
 
 def _camera_views(result: Result) -> list[CameraView]:
@@ -132,8 +132,8 @@ def _save_law(result: Result, into: Gallery) -> list[Picture]:
     sets_show = "The sets of both inputs and of the output. The rules are the paper's Table I, the shapes are ours."
     surface_shows = "The speed that the law answers, over the distance error and its change, and three sections of it."
     return [
-        into.save(draw_fuzzy_sets(law, sets, into.look), "fuzzy_sets", sets, sets_show),
-        into.save(draw_surface(law, surface, into.look), "control_surface", surface, surface_shows),
+        into.save(draw_fuzzy_sets(law, sets, into.theme), "fuzzy_sets", sets, sets_show),
+        into.save(draw_surface(law, surface, into.theme), "control_surface", surface, surface_shows),
     ]
 
 
@@ -171,4 +171,4 @@ def _write_page(
         "rendered camera and LCM. Law paper is the law as published, law anticipate the same around a feed-forward of "
         "the leader's motion. A colour means the same in all pictures:"
     )
-    return write_page(into.folder / "index.html", "Pilotfish: the demo", intro, sections, data, into.look)
+    return write_page(into.folder / "index.html", "Pilotfish: the demo", intro, sections, data, into.theme)

@@ -36,12 +36,12 @@ def save_recording(result: Result, out: Path) -> Path:
 
 def save_pictures(result: Result, into: Gallery) -> list[Picture]:
     """The run over time and from above, named ``<experiment>_<law>_*``."""
-    recording, look, stem = result.recording, into.look, stem_of(result)
+    recording, theme, stem = result.recording, into.theme, stem_of(result)
     title = f"{result.experiment.title}, {law_name(result.profile)}"
     over_time, above = f"{title} ({replayed(result)})", f"{title}: from above"
-    paths = draw_paths(list(result.run.recordings.values()), above, look)
+    paths = draw_paths(list(result.run.recordings.values()), above, theme)
     return [
-        into.save(draw_distance_error(recording, over_time, look), f"{stem}_distance_error", over_time, _OVER_TIME),
+        into.save(draw_distance_error(recording, over_time, theme), f"{stem}_distance_error", over_time, _OVER_TIME),
         into.save(paths, f"{stem}_paths", above, _FROM_ABOVE),
     ]
 
@@ -52,7 +52,7 @@ def save_comparison(results: Sequence[Result], into: Gallery) -> list[Picture]:
     if all(len(runs) < 2 for runs in grouped.values()):
         return []
     runs = {title: {name: result.recording for name, result in by_name.items()} for title, by_name in grouped.items()}
-    return [into.save(draw_comparison(runs, into.look), "comparison", "The laws compared", _COMPARED)]
+    return [into.save(draw_comparison(runs, into.theme), "comparison", "The laws compared", _COMPARED)]
 
 
 def by_experiment(results: Sequence[Result]) -> dict[str, dict[str, Result]]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from pilotfish.plots.style import LIGHT, Look, style
+from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.plots.traces import (
     Runs,
     draw_bearings_on,
@@ -19,17 +19,17 @@ from pilotfish.plots.traces import (
 _PANELS = (draw_errors_on, draw_rms_on, draw_bearings_on, draw_speeds_on, draw_turn_rates_on)
 
 
-def draw_comparison(experiments: Mapping[str, Runs], look: Look = LIGHT) -> Figure:
+def draw_comparison(experiments: Mapping[str, Runs], theme: Theme = LIGHT) -> Figure:
     """One column an experiment (its title is the key): e(t) in metres, its RMS in millimetres on a logarithmic axis,
     the bearing error and the command."""
-    with style(look):
+    with style(theme):
         figure = Figure(figsize=(5.6 * len(experiments), 9.6))
         shape = (len(_PANELS), len(experiments))
         grid = figure.subplots(*shape, squeeze=False, sharex="col", height_ratios=(3, 3, 2, 2, 2))
         for column, (title, runs) in zip(grid.T, experiments.items(), strict=True):
             column[0].set_title(title)
             for axes, draw in zip(column, _PANELS, strict=True):
-                draw(axes, runs, look)
+                draw(axes, runs, theme)
             column[-1].set_xlabel("time [s]")
         for row in grid[:2]:  # distance errors are compared between experiments as well
             for axes in row[1:]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from pilotfish import fuzzy
-from pilotfish.plots.fuzzy_sets import DEGREE, draw_variable
-from pilotfish.plots.style import LIGHT, Look, style
+from pilotfish.plots.fuzzy_sets import DEGREE, TOP, draw_variable
+from pilotfish.plots.style import LIGHT, Theme, style
 
 _RULES = 5
+_BELOW_NAMES = 1.0 / TOP  # share of the height below the names of the sets
 
 
 def draw_explanation(
@@ -16,27 +17,28 @@ def draw_explanation(
     error: float,
     error_change: float,
     widths: fuzzy.InputWidths,
-    look: Look = LIGHT,
+    theme: Theme = LIGHT,
 ) -> Figure:
     """E and EC with the inputs (and their widths), then mu_C'(u) with u* under it; the strongest rules as the title."""
     explanation = fuzzy.explain(controller, error, error_change, widths)
-    with style(look):
+    with style(theme):
         figure = Figure(figsize=(7.6, 7.4))
         inputs = ((controller.error, error, widths.error), (controller.error_change, error_change, widths.error_change))
         *above, below = figure.subplots(3, 1)
         for axes, (variable, value, width) in zip(above, inputs, strict=True):
-            draw_variable(axes, variable, look=look)
+            draw_variable(axes, variable, theme=theme)
             at = min(max(value, variable.min), variable.max)
-            axes.axvline(at, color=look.measured, linewidth=2.0)
+            axes.axvline(at, color=theme.measured, ymax=_BELOW_NAMES, linewidth=2.0)
             if width > 0.0:
-                axes.axvspan(at - width, at + width, color=look.measured, alpha=0.2, linewidth=0)
+                axes.axvspan(at - width, at + width, color=theme.measured, alpha=0.2, linewidth=0)
             axes.set_xlabel(f"{variable.name} = {value:.3g} [-]" + (f", width {width:.3g}" if width else ""))
             axes.set_ylabel(DEGREE, fontsize=9)
-        draw_variable(below, controller.output, faint=True, look=look)
+        draw_variable(below, controller.output, faint=True, theme=theme)
         u, degree = explanation.clipped.T
-        below.fill_between(u, degree, color=look.guide, alpha=0.35, linewidth=0)
-        below.plot(u, degree, color=look.ink)
-        below.axvline(explanation.inference.output, color=look.ink, linestyle="--", linewidth=2.0)
+        below.fill_between(u, degree, color=theme.guide, alpha=0.35, linewidth=0)
+        below.plot(u, degree, color=theme.ink)
+        centroid = {"color": theme.ink, "linestyle": "--", "linewidth": 2.0}
+        below.axvline(explanation.inference.output, ymax=_BELOW_NAMES, **centroid)
         below.set_xlabel(
             f"{controller.output.name} = {explanation.inference.output:.4f} [-], the centroid of the shaded set"
         )

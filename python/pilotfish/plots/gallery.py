@@ -1,4 +1,4 @@
-"""Pictures with what they show: written to a folder in one format and look, and kept for the page of them all."""
+"""Pictures with what they show: written to a folder in one format and theme, and kept for the page of them all."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pilotfish.camera_view import CameraView
 from pilotfish.plots.camera_gif import draw_camera_gif
-from pilotfish.plots.style import FORMATS, LIGHT, Look, save, to_png
+from pilotfish.plots.style import FORMATS, LIGHT, Theme, save, to_png
 
 MIME_TYPES = {".png": "image/png", ".svg": "image/svg+xml", ".gif": "image/gif"}
 
@@ -28,24 +28,24 @@ class Picture:
 
 @dataclass(frozen=True)
 class Gallery:
-    """Where pictures go, and how they look."""
+    """Where pictures go, and how they theme."""
 
     folder: Path
     format: str = "png"
-    look: Look = LIGHT
+    theme: Theme = LIGHT
 
     def __post_init__(self) -> None:
         if self.format not in FORMATS:
             raise ValueError(f"format '{self.format}' is not one of {', '.join(FORMATS)}")
 
     def save(self, figure: Figure, name: str, title: str, shows: str) -> Picture:
-        """Writes ``folder/name.format``; ``figure`` was drawn with this look."""
-        file = save(figure, self.folder / f"{name}.{self.format}", self.look)
+        """Writes ``folder/name.format``; ``figure`` was drawn with this theme."""
+        file = save(figure, self.folder / f"{name}.{self.format}")
         if self.format == "pdf":
-            return Picture(file, title, shows, to_png(figure, self.look), MIME_TYPES[".png"])
+            return Picture(file, title, shows, to_png(figure), MIME_TYPES[".png"])
         return Picture(file, title, shows, file.read_bytes(), MIME_TYPES[file.suffix])
 
     def save_gif(self, views: Sequence[CameraView], name: str, title: str, shows: str) -> Picture:
         """Writes ``folder/name.gif``: what a camera saw. Moving pictures are GIFs in every format."""
-        file = draw_camera_gif(views, self.folder / f"{name}.gif", title, self.look)
+        file = draw_camera_gif(views, self.folder / f"{name}.gif", title, self.theme)
         return Picture(file, title, shows, file.read_bytes(), MIME_TYPES[".gif"])

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from pilotfish.law_names import law_name
-from pilotfish.plots.style import LIGHT, Look
+from pilotfish.plots.style import LIGHT, Theme
 
 Dashes = tuple[float, tuple[float, ...]] | str
 
@@ -36,14 +36,14 @@ class LawStyle:
         return {**own, "label": self.label, **changes}
 
 
-def law_colour(law: str, look: Look = LIGHT) -> str:
+def law_colour(law: str, theme: Theme = LIGHT) -> str:
     """The law's colour; that of "any other" for a law that is not known."""
-    return str(getattr(look, law)) if law in _LINES else look.other_law
+    return str(getattr(theme, law)) if law in _LINES else theme.other_law
 
 
-def law_styles(laws: Iterable[str], look: Look = LIGHT) -> dict[str, LawStyle]:
+def law_styles(laws: Iterable[str], theme: Theme = LIGHT) -> dict[str, LawStyle]:
     """By the law's name, in the given order; laws that are not known differ by their dashes."""
     laws = list(laws)
     others = [law for law in laws if law not in _LINES]
     lines = _LINES | {law: (_OTHER_DASHES[k % len(_OTHER_DASHES)], 1.8, 2.5) for k, law in enumerate(others)}
-    return {law: LawStyle(law_name(law), law_colour(law, look), *lines[law]) for law in laws}
+    return {law: LawStyle(law_name(law), law_colour(law, theme), *lines[law]) for law in laws}

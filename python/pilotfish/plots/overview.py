@@ -15,7 +15,7 @@ from pilotfish.law_names import law_name
 from pilotfish.plots.camera_gif import draw_seen, measured_texts
 from pilotfish.plots.laws import law_styles
 from pilotfish.plots.paths import draw_paths_on, path_handles
-from pilotfish.plots.style import LIGHT, Look, style
+from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.plots.traces import draw_bearings_on, draw_errors_on, draw_rms_on, draw_speeds_on
 from pilotfish.recording import Recording
 
@@ -38,34 +38,34 @@ class Summary:
         return list(self.runs.values())[-1]
 
 
-def draw_overview(summaries: Sequence[Summary], look: Look = LIGHT) -> Figure:
+def draw_overview(summaries: Sequence[Summary], theme: Theme = LIGHT) -> Figure:
     """One column an experiment."""
-    with style(look):
+    with style(theme):
         figure = Figure(figsize=(6.2 * len(summaries), 9.8))
         columns = figure.subfigures(1, len(summaries), squeeze=False)[0]
-        drawn = [_draw_column(*pair, look) for pair in zip(columns, summaries, strict=True)]
+        drawn = [_draw_column(*pair, theme) for pair in zip(columns, summaries, strict=True)]
         for axes in drawn[1:]:
             axes["rms"].sharey(drawn[0]["rms"])
         drawn[0]["rms"].autoscale_view()
         laws = {law: run for summary in summaries for law, run in summary.runs.items()}
-        handles = [Line2D([], [], **own.line()) for own in law_styles(laws, look).values()]
-        leader, _, *aids = path_handles([summaries[0].last], look)
+        handles = [Line2D([], [], **own.line()) for own in law_styles(laws, theme).values()]
+        leader, _, *aids = path_handles([summaries[0].last], theme)
         figure.legend(handles=[*handles, leader, *aids], loc="outside lower center", ncols=7, fontsize=9)
     return figure
 
 
-def _draw_column(column: SubFigure, summary: Summary, look: Look) -> dict[str, Axes]:
+def _draw_column(column: SubFigure, summary: Summary, theme: Theme) -> dict[str, Axes]:
     axes = column.subplot_mosaic(_ROWS, height_ratios=_HEIGHTS)
     column.suptitle(summary.title, weight="bold", fontsize=12)
-    draw_paths_on(axes["paths"], [summary.last], look)
+    draw_paths_on(axes["paths"], [summary.last], theme)
     axes["paths"].set_title(f"From above ({law_name(list(summary.runs)[-1])})", fontsize=10)
-    axes["camera"].imshow(draw_seen(summary.view, look))
+    axes["camera"].imshow(draw_seen(summary.view, theme))
     axes["camera"].set_axis_off()
     seen = [f"t = {summary.view.time_s:.1f} s", *measured_texts(summary.view)]
     axes["camera"].set_title(f"What the camera of {summary.last.meta.robot} saw", fontsize=10)
     axes["camera"].text(0.0, -0.03, ",   ".join(seen), transform=axes["camera"].transAxes, va="top", fontsize=9)
     for name, draw in _PANELS.items():
-        draw(axes[name], summary.runs, look)
+        draw(axes[name], summary.runs, theme)
         axes[name].sharex(axes["error"])
         axes[name].tick_params(labelbottom=name == "speed")
     axes["speed"].set_xlabel("time [s]")

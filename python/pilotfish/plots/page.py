@@ -13,7 +13,7 @@ from urllib.parse import quote
 
 from pilotfish.plots.gallery import Picture
 from pilotfish.plots.laws import law_colour
-from pilotfish.plots.style import LIGHT, Look
+from pilotfish.plots.style import LIGHT, Theme
 
 
 @dataclass(frozen=True)
@@ -37,17 +37,17 @@ class Section:
 
 
 def write_page(
-    file: Path, title: str, intro: str, sections: Sequence[Section], files: Sequence[Path] = (), look: Look = LIGHT
+    file: Path, title: str, intro: str, sections: Sequence[Section], files: Sequence[Path] = (), theme: Theme = LIGHT
 ) -> Path:
     """Writes the page to ``file``, with a list of links to ``files``; all files lie in its folder or below."""
     body = [_section(section, file.parent) for section in sections]
     links = "".join(f"<li>{_link(path, file.parent)}</li>" for path in files)
     data = f'<section><h2>Data</h2><ul class="files">{links}</ul></section>' if files else ""
     contents = "".join(f'<a href="#{_anchor(section.title)}">{escape(section.title)}</a>' for section in sections)
-    values = {"title": escape(title), "intro": escape(intro), "contents": contents, "legend": _legend(look)}
-    colours = {"background": look.background, "ink": look.ink, "guide": look.guide, "grid": look.grid}
+    values = {"title": escape(title), "intro": escape(intro), "contents": contents, "legend": _legend(theme)}
+    colours = {"background": theme.ground, "ink": theme.ink, "guide": theme.guide, "grid": theme.grid}
     file.parent.mkdir(parents=True, exist_ok=True)
-    page = _PAGE.substitute(values, body="".join(body) + data, scheme=look.name, link=look.anticipate, **colours)
+    page = _PAGE.substitute(values, body="".join(body) + data, scheme=theme.name, link=theme.anticipate, **colours)
     file.write_text(page, encoding="utf-8")
     return file
 
@@ -79,14 +79,14 @@ def _table(table: TextTable) -> str:
     return f'<div class="wide"><table>{caption}{head}<tbody>{rows}</tbody></table></div>{note}\n'
 
 
-def _legend(look: Look) -> str:
+def _legend(theme: Theme) -> str:
     """What each colour means, in all pictures."""
     meanings = {
-        "anticipate": law_colour("anticipate", look),
-        "paper": law_colour("paper", look),
-        "measured by the camera": look.measured,
-        "leader": look.ink,
-        "setpoints, bands, lines of sight": look.guide,
+        "anticipate": law_colour("anticipate", theme),
+        "paper": law_colour("paper", theme),
+        "measured by the camera": theme.measured,
+        "leader": theme.ink,
+        "setpoints, bands, lines of sight": theme.guide,
     }
     spot = '<span class="spot" style="background:{}"></span>'
     return "".join(f"<li>{spot.format(colour)}{escape(text)}</li>" for text, colour in meanings.items())

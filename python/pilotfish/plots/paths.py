@@ -14,7 +14,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, IdentityTransform
 
 from pilotfish.plots.laws import LawStyle, law_styles
-from pilotfish.plots.style import LIGHT, Look, style
+from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.recording import FloatArray, Recording
 
 TICK_EVERY_S = 2.0
@@ -26,29 +26,29 @@ _CHAIN_DASHES = ("-", (0.0, (6.0, 1.5)), (0.0, (3.0, 1.5)), (0.0, (6.0, 1.5, 1.5
 Pose = tuple[FloatArray, FloatArray, FloatArray]  # x_m, y_m, heading_rad, each of shape (N,)
 
 
-def draw_paths(recordings: Sequence[Recording], title: str, look: Look = LIGHT) -> Figure:
+def draw_paths(recordings: Sequence[Recording], title: str, theme: Theme = LIGHT) -> Figure:
     """Paths of all robots, with a legend below."""
-    with style(look):
+    with style(theme):
         figure = Figure(figsize=(7.2, _height_in(recordings)))
         axes = figure.subplots()
-        draw_paths_on(axes, recordings, look)
+        draw_paths_on(axes, recordings, theme)
         axes.set_title(title)
-        figure.legend(handles=path_handles(recordings, look), loc="outside lower center", ncols=3, fontsize=9)
+        figure.legend(handles=path_handles(recordings, theme), loc="outside lower center", ncols=3, fontsize=9)
     return figure
 
 
-def draw_paths_on(axes: Axes, recordings: Sequence[Recording], look: Look = LIGHT) -> None:
+def draw_paths_on(axes: Axes, recordings: Sequence[Recording], theme: Theme = LIGHT) -> None:
     """Paths of all robots and of the leaders that are not themselves recorded; every TICK_EVERY_S seconds an
     arrowhead shows the heading and a thin line joins robot and leader."""
     leaders = _leaders(recordings)
     for recording in leaders.values():
         pose = (recording.leader_x_m, recording.leader_y_m, recording.leader_heading_rad)
-        _draw_path(axes, pose, _every(recording.time_s, TICK_EVERY_S), _leader_style(recording, look))
-    for recording, own in zip(recordings, _follower_styles(recordings, look), strict=True):
+        _draw_path(axes, pose, _every(recording.time_s, TICK_EVERY_S), _leader_style(recording, theme))
+    for recording, own in zip(recordings, _follower_styles(recordings, theme), strict=True):
         every = _every(recording.time_s, TICK_EVERY_S)
         eye = np.stack([recording.x_m[every], recording.y_m[every]], axis=-1)
         seen = np.stack([recording.leader_x_m[every], recording.leader_y_m[every]], axis=-1)
-        sight = LineCollection(np.stack([eye, seen], axis=1), colors=look.guide, linewidths=0.5, alpha=0.6, zorder=1.5)
+        sight = LineCollection(np.stack([eye, seen], axis=1), colors=theme.guide, linewidths=0.5, alpha=0.6, zorder=1.5)
         axes.add_collection(sight)
         _draw_path(axes, (recording.x_m, recording.y_m, recording.heading_rad), every, own)
     axes.set_xlabel("x [m]")
@@ -56,17 +56,17 @@ def draw_paths_on(axes: Axes, recordings: Sequence[Recording], look: Look = LIGH
     axes.set_aspect("equal", adjustable="datalim")
 
 
-def path_handles(recordings: Sequence[Recording], look: Look = LIGHT) -> list[Line2D]:
+def path_handles(recordings: Sequence[Recording], theme: Theme = LIGHT) -> list[Line2D]:
     """For the legend of ``draw_paths_on``."""
-    styles = [_leader_style(recording, look) for recording in _leaders(recordings).values()]
-    styles += _follower_styles(recordings, look)
-    aid = {"color": look.guide, "linestyle": "none"}
+    styles = [_leader_style(recording, theme) for recording in _leaders(recordings).values()]
+    styles += _follower_styles(recordings, theme)
+    aid = {"color": theme.guide, "linestyle": "none"}
     return [
         *(Line2D([], [], **own.line()) for own in styles),
-        Line2D([], [], marker="o", markerfacecolor=look.background, label="start", **aid),
+        Line2D([], [], marker="o", markerfacecolor=theme.ground, label="start", **aid),
         Line2D([], [], marker="s", label="end", **aid),
         Line2D([], [], marker=">", label=f"heading, every {TICK_EVERY_S:.0f} s", **aid),
-        Line2D([], [], color=look.guide, linewidth=0.5, label=f"line of sight, every {TICK_EVERY_S:.0f} s"),
+        Line2D([], [], color=theme.guide, linewidth=0.5, label=f"line of sight, every {TICK_EVERY_S:.0f} s"),
     ]
 
 
@@ -77,15 +77,15 @@ def _leaders(recordings: Sequence[Recording]) -> dict[str, Recording]:
     return {leader: recording for leader, recording in reversed(seen_by.items()) if leader not in recorded}
 
 
-def _leader_style(recording: Recording, look: Look) -> LawStyle:
-    return LawStyle(f"{recording.meta.leader} (leads)", look.ink, "-", _LEADER_WIDTH_PT, 2.0)
+def _leader_style(recording: Recording, theme: Theme) -> LawStyle:
+    return LawStyle(f"{recording.meta.leader} (leads)", theme.ink, "-", _LEADER_WIDTH_PT, 2.0)
 
 
-def _follower_styles(recordings: Sequence[Recording], look: Look) -> list[LawStyle]:
+def _follower_styles(recordings: Sequence[Recording], theme: Theme) -> list[LawStyle]:
     """The colour says which law drove; robots of a chain, which the same law drives, differ by their dashes."""
     styles = []
     for number, recording in enumerate(recordings):
-        law = law_styles([recording.meta.profile], look)[recording.meta.profile]
+        law = law_styles([recording.meta.profile], theme)[recording.meta.profile]
         label = f"{recording.meta.robot} (follows {recording.meta.leader} by sight)"
         dashes = _CHAIN_DASHES[number % len(_CHAIN_DASHES)]
         styles.append(replace(law, label=label, dashes=dashes, width_pt=_FOLLOWER_WIDTH_PT, zorder=2.5))

@@ -1,4 +1,4 @@
-"""One look for all pictures: what each colour means, sizes, how files are written.
+"""One style for all pictures: what each colour means, sizes, how files are written.
 
 A colour has one meaning in all pictures of Pilotfish. The eight are Okabe's and Ito's, which colour-blind readers can
 tell apart; in gray, and where lines meet, the dash patterns of ``plots/laws.py`` tell them apart.
@@ -22,12 +22,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 
 import matplotlib as mpl
-from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.colors import Colormap, ListedColormap, to_rgba
 from matplotlib.figure import Figure
 
 # Okabe and Ito's palette.
@@ -48,11 +48,11 @@ DPI = 150
 
 
 @dataclass(frozen=True)
-class Look:
-    """The palette above, by meaning, for one background; every colour as ``#RRGGBB``."""
+class Theme:
+    """The palette above, by meaning, for one ground; every colour as ``#RRGGBB``."""
 
     name: str
-    background: str
+    ground: str
     ink: str  # text, axes, leader
     guide: str  # setpoints, bands, lines of sight
     grid: str
@@ -62,7 +62,12 @@ class Look:
     pid: str
     other_law: str
     measured: str
-    value_range: tuple[float, float]  # the part of matplotlib's cividis that stands out from the background
+    value_range: tuple[float, float]  # the part of matplotlib's cividis that stands out from the ground
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Colours in turn, for curves that are compared and of which no law is known."""
+        return (self.anticipate, self.pid, self.pbvs, self.paper, self.measured, self.other_law)
 
     @property
     def values(self) -> Colormap:
@@ -76,13 +81,13 @@ class Look:
         """matplotlib's settings."""
         texts = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
         grounds = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
-        colours = dict.fromkeys(texts, self.ink) | dict.fromkeys(grounds, self.background)
+        colours = dict.fromkeys(texts, self.ink) | dict.fromkeys(grounds, self.ground)
         return _SETTINGS | colours | {"grid.color": self.grid}
 
 
-LIGHT = Look(
+LIGHT = Theme(
     name="light",
-    background="#FFFFFF",
+    ground="#FFFFFF",
     ink="#000000",
     guide=SETPOINT,
     grid="#DDDDDD",
@@ -95,9 +100,9 @@ LIGHT = Look(
     value_range=(0.0, 0.82),
 )
 # The same hues, lighter: on #14171A each has a contrast of at least 4.5 to 1 (tested).
-DARK = Look(
+DARK = Theme(
     name="dark",
-    background="#14171A",
+    ground="#14171A",
     ink="#F2F2F2",
     guide="#8A9095",
     grid="#33383D",
@@ -109,6 +114,11 @@ DARK = Look(
     measured="#F5B82E",
     value_range=(0.42, 1.0),
 )
+
+# What stands in an SVG for the ink and the grid of the page around it, which replaces them.
+PAGE_INK, PAGE_GRID = "#0a0b0c", "#0d0e0f"
+ON_PAGE = replace(LIGHT, name="on page", ground="none", ink=PAGE_INK, grid=PAGE_GRID)
+THEMES = (LIGHT, DARK, ON_PAGE)
 
 _SETTINGS: dict[str, object] = {
     "font.family": ["DejaVu Sans"],
@@ -131,25 +141,30 @@ _UNDATED = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 @contextmanager
-def style(look: Look = LIGHT) -> Iterator[None]:
-    """Draw inside ``with style(look):``; the caller's own settings of matplotlib are left alone."""
-    with mpl.rc_context(look.settings):
+def style(theme: Theme = LIGHT) -> Iterator[None]:
+    """Draw inside ``with style(theme):``; the caller's own settings of matplotlib are left alone."""
+    with mpl.rc_context(theme.settings):
         yield
 
 
-def save(figure: Figure, file: str | Path, look: Look = LIGHT) -> Path:
-    """Writes the figure (the suffix says the format) and returns where. ``look`` is the one it was drawn with: ticks
-    are made as late as here."""
+def save(figure: Figure, file: str | Path) -> Path:
+    """Writes the figure (the suffix says the format) and returns where."""
     file = Path(file)
     file.parent.mkdir(parents=True, exist_ok=True)
-    with style(look):
+    with style(theme_of(figure)):
         figure.savefig(file, dpi=DPI, metadata=_UNDATED.get(file.suffix[1:].lower()))
     return file
 
 
-def to_png(figure: Figure, look: Look = LIGHT) -> bytes:
+def to_png(figure: Figure) -> bytes:
     """The bytes of a PNG file."""
     stream = BytesIO()
-    with style(look):
+    with style(theme_of(figure)):
         figure.savefig(stream, format="png", dpi=DPI)
     return stream.getvalue()
+
+
+def theme_of(figure: Figure) -> Theme:
+    """The theme that a figure was drawn with, by its ground. matplotlib makes ticks and grids as late as it writes the
+    file, in the colours that are set then."""
+    return next((theme for theme in THEMES if to_rgba(theme.ground) == to_rgba(figure.get_facecolor())), LIGHT)
