@@ -10,7 +10,11 @@ import numpy as np
 import pypdfium2
 import pytest
 from every_picture import DRAW, LAWS, drawn, runs
-from matplotlib.colors import to_rgb
+from matplotlib.axis import Tick
+from matplotlib.collections import Collection
+from matplotlib.colors import to_hex, to_rgb, to_rgba_array
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.text import Text
 from PIL import Image
 
@@ -112,11 +116,23 @@ def contrast(one, other):
 
 @EVERY_PICTURE
 @BOTH_LOOKS
-def test_every_text_stands_out_from_the_ground(which, theme, as_png):
+def test_every_text_and_tick_stands_out_from_the_ground(which, theme, as_png):
     figure, _ = as_png(which, theme)
     texts = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
     assert len(texts) > 5
     assert min(contrast(text.get_color(), theme.ground) for text in texts) >= 4.5
+    ticks = [tick.tick1line for tick in figure.findobj(Tick)]  # also minor ones, which are made when they are drawn
+    assert min(contrast(line.get_color(), theme.ground) for line in ticks) >= 4.5
+
+
+@EVERY_PICTURE
+def test_a_dark_picture_has_no_colour_of_the_light_ones(which, as_png):
+    figure, _ = as_png(which, DARK)
+    light = {value.lower() for value in vars(LIGHT).values() if str(value).startswith("#")}
+    marks = [mark for kind in (Line2D, Collection, Patch) for mark in figure.findobj(kind) if mark.get_visible()]
+    colours = [mark.get_color() if isinstance(mark, Line2D) else mark.get_facecolor() for mark in marks]
+    drawn_in = {to_hex(colour) for colour in np.concatenate([to_rgba_array(own) for own in colours]) if colour[3] > 0.0}
+    assert drawn_in and not drawn_in & light
 
 
 def test_in_the_dark_every_colour_stands_out_from_the_ground():
@@ -183,3 +199,4 @@ def test_in_pdf_text_is_text(tmp_path):
         page = document[0]
         said = page.get_textpage().get_text_range()
     assert "distance error e [m]" in said and "time [s]" in said
+    assert b"/Subtype /Type3" not in (tmp_path / "picture.pdf").read_bytes()  # drawings of letters

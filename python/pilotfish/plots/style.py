@@ -27,7 +27,7 @@ from io import BytesIO
 from pathlib import Path
 
 import matplotlib as mpl
-from matplotlib.colors import Colormap, ListedColormap, to_rgba
+from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 # Okabe and Ito's palette.
@@ -80,7 +80,7 @@ class Theme:
     def settings(self) -> dict[str, object]:
         """matplotlib's settings."""
         texts = ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color")
-        grounds = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
+        grounds = ("figure.facecolor", "axes.facecolor")
         colours = dict.fromkeys(texts, self.ink) | dict.fromkeys(grounds, self.ground)
         return _SETTINGS | colours | {"grid.color": self.grid}
 
@@ -118,7 +118,6 @@ DARK = Theme(
 # What stands in an SVG for the ink and the grid of the page around it, which replaces them.
 PAGE_INK, PAGE_GRID = "#0a0b0c", "#0d0e0f"
 ON_PAGE = replace(LIGHT, name="on page", ground="none", ink=PAGE_INK, grid=PAGE_GRID)
-THEMES = (LIGHT, DARK, ON_PAGE)
 
 _SETTINGS: dict[str, object] = {
     "font.family": ["DejaVu Sans"],
@@ -133,6 +132,7 @@ _SETTINGS: dict[str, object] = {
     "legend.frameon": False,
     "lines.linewidth": 1.6,
     "figure.constrained_layout.use": True,
+    "savefig.facecolor": "auto",  # the figure's own
     "svg.fonttype": "none",  # text stays text: it can be searched, copied and edited
     "svg.hashsalt": "pilotfish",  # the same picture gives the same file
     "pdf.fonttype": 42,
@@ -151,7 +151,7 @@ def save(figure: Figure, file: str | Path) -> Path:
     """Writes the figure (the suffix says the format) and returns where."""
     file = Path(file)
     file.parent.mkdir(parents=True, exist_ok=True)
-    with style(theme_of(figure)):
+    with mpl.rc_context(_SETTINGS):
         figure.savefig(file, dpi=DPI, metadata=_UNDATED.get(file.suffix[1:].lower()))
     return file
 
@@ -159,12 +159,6 @@ def save(figure: Figure, file: str | Path) -> Path:
 def to_png(figure: Figure) -> bytes:
     """The bytes of a PNG file."""
     stream = BytesIO()
-    with style(theme_of(figure)):
+    with mpl.rc_context(_SETTINGS):
         figure.savefig(stream, format="png", dpi=DPI)
     return stream.getvalue()
-
-
-def theme_of(figure: Figure) -> Theme:
-    """The theme that a figure was drawn with, by its ground. matplotlib makes ticks and grids as late as it writes the
-    file, in the colours that are set then."""
-    return next((theme for theme in THEMES if to_rgba(theme.ground) == to_rgba(figure.get_facecolor())), LIGHT)
