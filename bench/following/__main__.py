@@ -31,7 +31,10 @@ from pilotfish.plots.style import save
 from pilotfish.recording import Recording
 
 console = Console(width=150)
-TITLES = {"line": "Fig. 6: leader on a line", "circle": "Fig. 7: leader on a circle"}
+TITLES = {
+    "line": "Leader on a line (the paper's Fig. 6, simulated)",
+    "circle": "Leader on a circle (the paper's Fig. 7, simulated)",
+}
 
 
 def main(

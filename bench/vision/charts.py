@@ -14,25 +14,27 @@ from bench.vision.accuracy import Cells
 from bench.vision.summary import Figures
 from pilotfish.plots import style as look
 
-# A tracker has one colour and one mark in all pictures; ours are thicker.
+# A tracker has one mark in all pictures, and its makers one colour: ours blue and thicker, ViSP's green.
+_SOLID, _DASHED = "-", "--"
 MARKS = {
-    who.TRACKED: (look.VERMILLION, "o"),
-    who.ACQUIRED: (look.ORANGE, "s"),
-    who.VISP_1: (look.BLUE, "^"),
-    who.VISP_2: (look.SKY, "v"),
-    who.LIBAPRILTAG: (look.GREEN, "D"),
-    who.WHEEL: (look.PURPLE, "P"),
-    who.ARUCO_SUBPIX: (look.BLACK, "x"),
-    who.ARUCO_APRILTAG: ("#888888", "+"),
+    who.TRACKED: (look.BLUE, "o", _SOLID),
+    who.ACQUIRED: (look.BLUE, "s", _DASHED),
+    who.VISP_1: (look.GREEN, "^", _SOLID),
+    who.VISP_2: (look.GREEN, "v", _DASHED),
+    who.LIBAPRILTAG: ("#888888", "D", _SOLID),
+    who.WHEEL: ("#888888", "P", _DASHED),
+    who.ARUCO_SUBPIX: (look.BLACK, "x", _SOLID),
+    who.ARUCO_APRILTAG: (look.BLACK, "+", _DASHED),
 }
 
 
 def mark(name: str) -> dict[str, object]:
     """Arguments of Axes.plot for a tracker."""
-    colour, symbol = MARKS[name]
+    colour, symbol, dashes = MARKS[name]
     ours = name in (who.TRACKED, who.ACQUIRED)
     width, zorder = (2.6, 3) if ours else (1.3, 2)
-    return {"color": colour, "marker": symbol, "linewidth": width, "zorder": zorder, "markersize": 6, "label": name}
+    line = {"color": colour, "linestyle": dashes, "linewidth": width, "zorder": zorder}
+    return {**line, "marker": symbol, "markersize": 6, "label": name}
 
 
 def error_over_distance(cells: Cells) -> Figure:
@@ -47,7 +49,7 @@ def error_over_distance(cells: Cells) -> Figure:
                     axes.plot(distances_m, [getattr(by_distance[d][name], key) for d in distances_m], **mark(name))
                 axes.set(xscale="log", yscale="log", title=f"{text} of |distance error|, {size}")
                 _plain_ticks(axes, list(by_distance))
-            row[0].set_ylabel("[mm]")
+            row[0].set_ylabel("|distance error| [mm]")
         for axes in grid[-1]:
             axes.set_xlabel("distance [m], tag of 0.16 m")
         _legend_below(figure, grid[0][0])

@@ -6,13 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rich import box
 from rich.table import Table
 
 from pilotfish import data
 from pilotfish.errors import MissingFileError
 from pilotfish.harness.run import OnProgress, Run
 from pilotfish.harness.scenario import Scenario
+from pilotfish.law_names import law_name
 from pilotfish.metrics import Metrics, evaluate
+from pilotfish.number_text import millimetres, signed
 from pilotfish.recording import Recording
 
 TRANSPORTS = ("lcm", "in-process")
@@ -130,41 +133,64 @@ def _runner(transport: str) -> Callable[..., Run]:
     raise ValueError(f"transport '{transport}' is not one of {', '.join(TRANSPORTS)}")
 
 
+NOTE = "e = d_p - d, positive: too close. Steady state, RMS and bearing: over the last quarter of the run."
+COLUMNS_IN_80 = 4  # as many runs as a table of 80 characters shows unwrapped
+
+
+def metrics_tables(results: Sequence[Result], title: str = "Following by sight") -> list[Table]:
+    """One table, or one an experiment where a single one would be wider than 80 characters."""
+    if len(results) <= COLUMNS_IN_80:
+        return [metrics_table(results, title)]
+    titles = list(dict.fromkeys(result.experiment.title for result in results))
+    grouped = [(title, [result for result in results if result.experiment.title == title]) for title in titles]
+    return [metrics_table(own, f"{title}: {name}") for name, own in grouped]
+
+
 def metrics_table(results: Sequence[Result], title: str = "Following by sight") -> Table:
-    """One column an experiment, one row a figure; pilotfish.metrics defines each."""
-    table = Table(title=title, title_justify="left", caption_justify="left")
-    table.caption = "e = d_p - d, positive: too close. Steady state, RMS and bearing: over the last quarter of the run."
-    table.add_column("")
-    for result in results:
-        driven = ", ".join(part for part in (result.experiment.figure, result.profile) if part)
-        table.add_column(f"{result.experiment.title}\n({driven})", justify="right")
-    for label, text in _ROWS:
-        table.add_row(label, *(text(result) for result in results))
+    """One column a run, one row a figure; pilotfish.metrics defines each. Four columns fit into 80 characters."""
+    table = Table(title=title, title_justify="left", caption=NOTE, caption_justify="left", box=box.SIMPLE_HEAD)
+    table.add_column("", no_wrap=True)
+    heads = [[*where, *law.split()] for *where, law in map(run_names, results)]
+    height = max(map(len, heads))
+    for head in heads:  # rich aligns heads at the bottom
+        table.add_column("\n".join([*head, *[" "] * (height - len(head))]), justify="right")
+    for label, texts in metrics_rows(results):
+        markup = [f"[red]{text}[/]" if text == NOT_SETTLED else text for text in texts]
+        table.add_row(label, *markup)
     return table
 
 
-def _millimetres(value_m: float) -> str:
-    """Tenths only where they matter."""
-    value_mm = 1000.0 * value_m
-    return f"{value_mm:+.0f} mm" if abs(value_mm) >= 10.0 else f"{value_mm:+.1f} mm"
+def run_names(result: Result) -> list[str]:
+    """What tells a run from others in a table: the experiment, the figure it repeats, the law."""
+    name, _, robot = result.experiment.name.partition("_")
+    where = "non-ideal" if robot == "nonideal" else result.experiment.figure or robot
+    return [name, where, law_name(result.profile)]
+
+
+def metrics_rows(results: Sequence[Result]) -> list[tuple[str, list[str]]]:
+    """The table as texts: what each row says, and that for every run."""
+    return [(label, [text(result) for result in results]) for label, text in _ROWS]
+
+
+NOT_SETTLED = "never"
 
 
 def _settling(result: Result) -> str:
     settled_s = result.metrics.settling_time_s
-    return "[red]not settled[/]" if settled_s is None else f"{settled_s:.1f} s"
+    return NOT_SETTLED if settled_s is None else f"{settled_s:.1f} s"
 
 
 _ROWS: tuple[tuple[str, Callable[[Result], str]], ...] = (
-    ("distance, initial \u2192 desired", lambda r: f"{r.metrics.initial_distance_m:.2f} \u2192 "
-                                              f"{r.recording.meta.distance_setpoint_m:.2f} m"),
-    ("initial distance error", lambda r: _millimetres(r.metrics.initial_error_m)),
-    ("final distance error", lambda r: _millimetres(r.metrics.final_error_m)),
-    ("steady-state distance error", lambda r: _millimetres(r.metrics.steady_state_error_m)),
-    ("RMS distance error", lambda r: _millimetres(r.metrics.rms_error_m).lstrip("+")),
-    ("settling to steady state ±50 mm", _settling),
+    ("initial distance", lambda r: f"{r.metrics.initial_distance_m:.2f} m"),
+    ("desired distance", lambda r: f"{r.recording.meta.distance_setpoint_m:.2f} m"),
+    ("initial distance error", lambda r: millimetres(r.metrics.initial_error_m)),
+    ("final distance error", lambda r: millimetres(r.metrics.final_error_m)),
+    ("steady-state distance error", lambda r: millimetres(r.metrics.steady_state_error_m)),
+    ("RMS distance error", lambda r: millimetres(r.metrics.rms_error_m).lstrip("+")),
+    ("settling to ±50 mm", _settling),
     ("overshoot (too close)", lambda r: f"{1000.0 * r.metrics.overshoot_m:.0f} mm"),
-    ("mean bearing error", lambda r: f"{r.metrics.mean_bearing_error_deg:+.2f}°"),
+    ("mean bearing error", lambda r: f"{signed(r.metrics.mean_bearing_error_deg, 2)}°"),
     ("RMS bearing error", lambda r: f"{r.metrics.rms_bearing_error_deg:.2f}°"),
     ("RMS jerk of the command", lambda r: f"{r.metrics.rms_jerk_mps3:.1f} m/s³"),
     ("frames detected", lambda r: f"{100.0 * r.metrics.frames_detected_ratio:.1f} %"),
-)  # fmt: skip
+)

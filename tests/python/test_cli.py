@@ -5,10 +5,12 @@ import re
 
 import pytest
 from synthetic_run import exponential_run
+from test_picture_page import check_page
 from typer.testing import CliRunner
 
 from pilotfish import data
 from pilotfish.cli import app
+from pilotfish.plots.style import DARK
 
 runner = CliRunner()
 
@@ -217,6 +219,7 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
     runs += [("line_nonideal", "anticipate"), ("circle_nonideal", "anticipate")]
     expected = {name.format(*names) for names in runs for name in each}
     assert {file.name for file in tmp_path.iterdir()} == expected | {
+        "index.html",
         "line_anticipate_camera.gif",
         "circle_anticipate_camera.gif",
         "overview.png",
@@ -228,6 +231,43 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
     figures = json.loads((tmp_path / "metrics.json").read_text())
     assert set(figures) == {f"{which}_{profile}" for which, profile in runs}
     assert figures["line_paper"]["initial_distance_m"] == pytest.approx(2.44, abs=1e-3)
+    # The last line leads to the page, and the page to everything else.
+    last = result.output.strip().splitlines()[-1]
+    assert last.split()[-1] == (tmp_path / "index.html").resolve().as_uri()
+    page = check_page(tmp_path)
+    assert {link for link in page.links if link[0] != "#"} == {file.name for file in tmp_path.iterdir()} - {
+        "index.html"
+    }
+    assert "steady-state distance error" in page.text
+
+
+@pytest.mark.parametrize("kind", ["svg", "pdf"])
+def test_pictures_are_written_in_the_format_that_is_asked_for(tmp_path, kind):
+    words = ("experiment", "line", "--in-process", "--duration-s", "0.5", "--out", tmp_path, "--format", kind, "--dark")
+    result, said = run(*words)
+    assert result.exit_code == 0, said
+    assert {file.suffix for file in tmp_path.iterdir()} == {".csv", f".{kind}"}
+    if kind == "svg":
+        assert DARK.ground.lower() in (tmp_path / "comparison.svg").read_text().lower()
+
+
+def test_a_format_that_does_not_exist_is_refused_with_those_that_do():
+    result, said = run("experiment", "line", "--format", "bmp")
+    assert result.exit_code == 64
+    assert "'png', 'svg', 'pdf'" in said
+
+
+def test_all_laws_are_compared_under_their_names():
+    result, said = run("experiment", "line", "--all-laws", "--in-process", "--duration-s", "0.5")
+    assert result.exit_code == 0, said
+    assert re.search(r"paper anticipate ViSP's PID servo", said)
+
+
+@pytest.mark.parametrize("words", [("--law", "pid"), ("--tuning", data.path("tuned/pid.yaml"))])
+def test_all_laws_and_one_law_contradict_each_other(words):
+    result, said = run("experiment", "line", "--all-laws", "--in-process", *words)
+    assert result.exit_code == 64
+    assert "--all-laws" in said and words[0] in said
 
 
 @pytest.mark.parametrize("words", [["experiment", "line"], ["demo"], ["render", "SCENARIO"]])

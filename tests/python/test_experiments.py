@@ -1,6 +1,7 @@
 """The source paper's two experiments, against what the law's own surface predicts."""
 
 import io
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,8 @@ from scipy.optimize import brentq
 
 from pilotfish import fuzzy
 from pilotfish.coordinator import load_coordinator
-from pilotfish.experiments import CIRCLE, EXPERIMENTS, LINE, metrics_table, run_experiment
+from pilotfish.experiments import CIRCLE, EXPERIMENTS, LINE, metrics_rows, metrics_table, metrics_tables, run_experiment
+from pilotfish.number_text import millimetres, signed
 
 LEADER_MPS = 0.2
 RADIUS_M = 1.0
@@ -100,9 +102,9 @@ def test_the_table_shows_every_figure_of_both(line, circle):
     Console(file=text, width=120).print(metrics_table([line, circle]))
     said = text.getvalue()
     for words in (
-        "Leader on a line",
+        "line",
         "Fig. 6",
-        "Leader on a circle",
+        "circle",
         "Fig. 7",
         "steady-state distance error",
         "2.44",
@@ -116,7 +118,45 @@ def test_the_table_says_so_if_a_run_did_not_settle(line):
     text = io.StringIO()
     unsettled = replace(line, metrics=replace(line.metrics, settling_time_s=None))
     Console(file=text, width=120).print(metrics_table([unsettled]))
-    assert "not settled" in text.getvalue()
+    assert re.search(r"settling to ±50 mm +never", text.getvalue())
+
+
+def test_a_table_of_four_runs_is_not_wrapped_at_80_characters(line):
+    """With the longest text of every cell: each figure stands on one line."""
+    unsettled = replace(line, profile="anticipate", metrics=replace(line.metrics, settling_time_s=None))
+    text = io.StringIO()
+    Console(file=text, width=80).print(metrics_table([unsettled] * 4))
+    lines = text.getvalue().splitlines()
+    for label, cells in metrics_rows([unsettled] * 4):
+        (row,) = [row for row in lines if row.strip().startswith(f"{label}  ")]
+        assert row.split(label)[1].split() == " ".join(cells).split()
+
+
+def test_more_runs_than_fit_are_a_table_an_experiment(line, circle):
+    runs = [replace(result, profile=law) for result in (line, circle) for law in ("paper", "anticipate", "pbvs", "pid")]
+    tables = metrics_tables(runs, "Compared")
+    assert [table.title for table in tables] == ["Compared: Leader on a line", "Compared: Leader on a circle"]
+    text = io.StringIO()
+    Console(file=text, width=80).print(*tables)
+    words = text.getvalue().split()
+    assert words.count("PID") == words.count("servo") == 2
+    assert not {"pbvs", "pid"} & set(words)
+    assert len(metrics_tables([line, circle])) == 1
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(-0.04, 1, "0.0"), (0.0, 2, "0.00"), (-0.0, 0, "0"), (0.04, 1, "0.0"), (-0.06, 1, "-0.1"), (10.0, 1, "+10.0")],
+)
+def test_what_rounds_to_zero_has_no_sign(value, digits, text):
+    assert signed(value, digits) == text
+
+
+@pytest.mark.parametrize(
+    ("value_m", "text"), [(-0.1674, "-167 mm"), (0.0025, "+2.5 mm"), (-1e-6, "0.0 mm"), (0.00999, "+10.0 mm")]
+)
+def test_millimetres_have_tenths_where_they_matter(value_m, text):
+    assert millimetres(value_m) == text
 
 
 def test_a_transport_that_does_not_exist_is_refused():

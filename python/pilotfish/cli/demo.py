@@ -1,8 +1,9 @@
-"""``pilotfish demo``: both experiments with the real programs, and every picture of them."""
+"""``pilotfish demo``: both experiments with the real programs, every picture of them, and a page of it all."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,13 +11,25 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress
-from pilotfish.cli.options import DurationOption, Law, Profiles, ProfilesOption, drivers_of, writable_folder
+from pilotfish.cli.options import (
+    DarkOption,
+    DurationOption,
+    FormatOption,
+    Law,
+    PictureFormat,
+    Profiles,
+    ProfilesOption,
+    drivers_of,
+    writable_folder,
+)
 
 if TYPE_CHECKING:
     from pilotfish.camera_view import CameraView
     from pilotfish.experiments import Experiment, Result
+    from pilotfish.plots.gallery import Gallery, Picture
 
 GIF_FRAMES = 60
+NONIDEAL = "The same with slip, lag, noise and camera misalignment, not configured"
 
 
 def demo(
@@ -25,50 +38,78 @@ def demo(
     ] = Path("out"),
     profile: ProfilesOption = Profiles.both,
     duration_s: DurationOption = None,
+    picture_format: FormatOption = PictureFormat.png,
+    dark: DarkOption = False,
 ) -> None:
-    """Run both experiments with both profiles and the real programs over LCM in lock-step; table and pictures in OUT.
+    """Run both experiments with both profiles and the real programs over LCM in lock-step; tables here, pictures in
+    OUT, and all of it on one page, OUT/index.html.
 
-    And once more, with the last profile, on a non-ideal robot (data/hardware/nonideal.yaml).
+    And once more, with the last profile, on a non-ideal robot (data/hardware/nonideal.yaml). Takes a minute or two.
 
     \b
-    Example
+    Examples
       pilotfish demo --out out
+      pilotfish demo --out out/dark --dark
+      pilotfish demo --out out/print --format pdf
     """
-    from pilotfish.cli.pictures import by_experiment, save_comparison, save_result
-    from pilotfish.experiments import EXPERIMENTS, metrics_table, run_experiment
-    from pilotfish.plots.camera_gif import draw_camera_gif
-    from pilotfish.plots.overview import Summary, draw_overview
-    from pilotfish.plots.style import save
+    from pilotfish.cli.pictures import gallery, save_comparison, save_pictures, save_recording
+    from pilotfish.experiments import EXPERIMENTS, metrics_tables
 
     with friendly_errors():
-        written: list[Path] = []
-
-        def play(experiment: Experiment, driver: str) -> Result:
-            with progress(f"{experiment.title}, {driver}, over LCM") as step:
-                result = run_experiment(experiment, driver, duration_s=duration_s, on_progress=step)
-            written.extend(save_result(result, out))
-            return result
-
+        into = gallery(out, picture_format.value, dark)
         drivers = drivers_of(profile, Law.fuzzy)
-        results = [play(experiment, driver) for experiment in EXPERIMENTS.values() for driver in drivers]
-        nonideal = [play(experiment.on_nonideal_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
-        summaries = []
-        for title, by_name in by_experiment(results).items():
-            shown = list(by_name.values())[-1]
-            views = _camera_views(shown)
-            gif = out / f"{shown.experiment.name}_{shown.profile}_camera.gif"
-            written.append(draw_camera_gif(views, gif, shown.experiment.title))
-            runs = {name: result.recording for name, result in by_name.items()}
-            summaries.append(Summary(title, runs, views[len(views) // 3]))
-        written.append(save(draw_overview(summaries), out / "overview.png"))
-        written += save_comparison(results, out)
-        written += _save_law(results[0], out)
-        written.append(_save_metrics(results + nonideal, out))
-        console.print(metrics_table(results))
-        console.print()
-        console.print(metrics_table(nonideal, "The same with slip, lag, noise and camera misalignment, not configured"))
-        for file in written:
+        results = [_play(experiment, driver, duration_s) for experiment in EXPERIMENTS.values() for driver in drivers]
+        nonideal = [
+            _play(experiment.on_nonideal_robot(), drivers[-1], duration_s) for experiment in EXPERIMENTS.values()
+        ]
+        data = [save_recording(result, out) for result in [*results, *nonideal]]
+        data.append(_save_metrics(results + nonideal, out))
+        overview, films = _save_overview(results, into)
+        chapters = {
+            "Both experiments": [overview, *save_comparison(results, into)],
+            "What the camera saw": films,
+            "Each run": [picture for result in results for picture in save_pictures(result, into)],
+            "Non-ideal robot": [picture for result in nonideal for picture in save_pictures(result, into)],
+            "The fuzzy law": _save_law(results[0], into),
+        }
+        page = _write_page(chapters, results, nonideal, data, into)
+        for table in (*metrics_tables(results), *metrics_tables(nonideal, NONIDEAL)):
+            console.print(table)
+        pictures = [picture.file for chapter in chapters.values() for picture in chapter]
+        for file in [*data, *pictures]:
             console.print(f"wrote {file}", soft_wrap=True)
+        console.print(f"everything on one page: {page}   {page.resolve().as_uri()}", soft_wrap=True)
+
+
+def _play(experiment: Experiment, driver: str, duration_s: float | None) -> Result:
+    from pilotfish.experiments import run_experiment
+
+    with progress(f"{experiment.title}, {driver}, over LCM") as step:
+        return run_experiment(experiment, driver, duration_s=duration_s, on_progress=step)
+
+
+def _save_overview(results: Sequence[Result], into: Gallery) -> tuple[Picture, list[Picture]]:
+    """The overview, and what the camera saw in the last run of each experiment."""
+    from pilotfish.cli.pictures import by_experiment, stem_of
+    from pilotfish.law_names import law_name
+    from pilotfish.plots.overview import Summary, draw_overview
+
+    summaries, films = [], []
+    for title, by_name in by_experiment(results).items():
+        shown = list(by_name.values())[-1]
+        views = _camera_views(shown)
+        shows = (
+            f"What the camera of {shown.scenario.robot().name} saw with law {law_name(shown.profile)}: every tag that "
+            "was measured is outlined; above are the time, the measured distance d and bearing θ, and the status."
+        )
+        films.append(into.save_gif(views, f"{stem_of(shown)}_camera", shown.experiment.title, shows))
+        runs = {name: result.recording for name, result in by_name.items()}
+        summaries.append(Summary(title, runs, views[len(views) // 3]))
+    shows = (
+        "Where the robots went, one picture of the camera, and over time the distance error in metres and, as RMS on a "
+        "logarithmic axis, in millimetres, the bearing error and the commanded speed."
+    )
+    return into.save(draw_overview(summaries, into.theme), "overview", "Overview", shows), films
 
 
 def _camera_views(result: Result) -> list[CameraView]:
@@ -80,20 +121,54 @@ def _camera_views(result: Result) -> list[CameraView]:
         return list(replay_camera(result.scenario, result.run, robot, every=every, on_progress=step))
 
 
-def _save_law(result: Result, out: Path) -> list[Path]:
-    """The fuzzy sets and the surface of the law that drove (Figs. 2 to 4)."""
+def _save_law(result: Result, into: Gallery) -> list[Picture]:
+    """The fuzzy sets and the surface of the law that drove."""
     from pilotfish.coordinator import load_coordinator
     from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
-    from pilotfish.plots.style import save
     from pilotfish.plots.surface import draw_surface
 
     law = load_coordinator(result.scenario.robot().coordinator_file).coordinator.control.law
-    sets = draw_fuzzy_sets(law, "Membership functions of the shipped law (the paper's Figs. 2 to 4)")
-    return [save(sets, out / "fuzzy_sets.png"), save(draw_surface(law), out / "control_surface.png")]
+    sets, surface = "Membership functions of the fuzzy law", "Control surface of the fuzzy law"
+    sets_show = "The sets of both inputs and of the output. The rules are the paper's Table I, the shapes are ours."
+    surface_shows = "The speed that the law answers, over the distance error and its change, and three sections of it."
+    return [
+        into.save(draw_fuzzy_sets(law, sets, into.theme), "fuzzy_sets", sets, sets_show),
+        into.save(draw_surface(law, surface, into.theme), "control_surface", surface, surface_shows),
+    ]
 
 
-def _save_metrics(results: list[Result], out: Path) -> Path:
+def _save_metrics(results: Sequence[Result], out: Path) -> Path:
     file = out / "metrics.json"
     figures = {f"{r.experiment.name}_{r.profile}": asdict(r.metrics) for r in results}
     file.write_text(json.dumps(figures, indent=2) + "\n")
     return file
+
+
+def _write_page(
+    chapters: dict[str, list[Picture]],
+    results: Sequence[Result],
+    nonideal: Sequence[Result],
+    data: Sequence[Path],
+    into: Gallery,
+) -> Path:
+    from pilotfish.experiments import NOTE, metrics_rows, run_names
+    from pilotfish.plots.page import Section, TextTable, write_page
+
+    def table(runs: Sequence[Result], title: str) -> TextTable:
+        return TextTable(title, [run_names(run) for run in runs], metrics_rows(runs), NOTE)
+
+    tables = {
+        "Both experiments": table(results, "Following by sight"),
+        "Non-ideal robot": table(nonideal, NONIDEAL),
+    }
+    sections = [
+        Section(title, tables=[tables[title]] if title in tables else [], pictures=pictures)
+        for title, pictures in chapters.items()
+    ]
+    intro = (
+        "A robot follows a leader by sight alone, on a line and on a circle, in the two experiments of the paper "
+        "“Vision-based Fuzzy Coordination Control for Multiple Robots”: simulated, with the real programs, a "
+        "rendered camera and LCM. Law paper is the law as published, law anticipate the same around a feed-forward of "
+        "the leader's motion. A colour means the same in all pictures:"
+    )
+    return write_page(into.folder / "index.html", "Pilotfish: the demo", intro, sections, data, into.theme)

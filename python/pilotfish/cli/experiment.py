@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress
 from pilotfish.cli.options import (
+    DarkOption,
     DurationOption,
+    FormatOption,
     InProcessOption,
     Law,
     LawOption,
     OutOption,
+    PictureFormat,
     Profiles,
     ProfilesOption,
     Robot,
@@ -20,6 +24,8 @@ from pilotfish.cli.options import (
     TuningOption,
     drivers_of,
 )
+from pilotfish.harness.driving import BASELINES
+from pilotfish.law_names import law_name
 
 
 def experiment(
@@ -37,6 +43,11 @@ def experiment(
     in_process: InProcessOption = False,
     duration_s: DurationOption = None,
     out: OutOption = None,
+    all_laws: Annotated[
+        bool, typer.Option("--all-laws", help="Then the baselines too, tuned: ViSP's servo (pbvs) and PID (pid).")
+    ] = False,
+    picture_format: FormatOption = PictureFormat.png,
+    dark: DarkOption = False,
 ) -> None:
     """Run the source paper's experiments, or any other scenario, in simulation and show what came of them.
 
@@ -48,26 +59,42 @@ def experiment(
       pilotfish experiment both --out out          with recordings and pictures
       pilotfish experiment circle --in-process     without programs and bus
       pilotfish experiment line --law pid          with a baseline of the fuzzy law
+      pilotfish experiment both --all-laws         the fuzzy law and its baselines, compared
       pilotfish experiment both --robot nonideal   with slip, lag, noise and camera misalignment
+      pilotfish experiment line --out out --format svg --dark    for a slide
       pilotfish experiment chain --profile anticipate
       pilotfish experiment my_scenario.yaml
     """
-    from pilotfish.cli.pictures import save_comparison, save_result
-    from pilotfish.experiments import EXPERIMENTS, experiment_of, metrics_table, run_all_robots
+    from pilotfish.cli.pictures import gallery, save_comparison, save_pictures, save_recording
+    from pilotfish.experiments import EXPERIMENTS, experiment_of, metrics_tables, run_all_robots
 
     transport = "in-process" if in_process else "lcm"
     with friendly_errors():
         chosen = list(EXPERIMENTS.values()) if which == "both" else [experiment_of(which)]
         if robot is Robot.nonideal:
             chosen = [experiment.on_nonideal_robot() for experiment in chosen]
+        drivers = _all_drivers(profile, law, tuning) if all_laws else drivers_of(profile, law)
         results = []
         for experiment in chosen:
-            for driver in drivers_of(profile, law):
-                with progress(f"{experiment.title}, {driver}") as step:
+            for driver in drivers:
+                with progress(f"{experiment.title}, {law_name(driver)}") as step:
                     how = {"tuning": tuning, "duration_s": duration_s, "on_progress": step}
                     results += run_all_robots(experiment, driver, transport, **how)
-        console.print(metrics_table(results))
+        for table in metrics_tables(results):
+            console.print(table)
         if out:
-            written = [file for result in results for file in save_result(result, out)]
-            for file in [*written, *save_comparison(results, out)]:
+            into = gallery(out, picture_format.value, dark)
+            written = [save_recording(result, out) for result in results]
+            written += [picture.file for result in results for picture in save_pictures(result, into)]
+            written += [picture.file for picture in save_comparison(results, into)]
+            for file in written:
                 console.print(f"wrote {file}", soft_wrap=True)
+
+
+def _all_drivers(profile: Profiles, law: Law, tuning: Path | None) -> list[str]:
+    """The fuzzy law's profiles and every baseline; a single law, or its tuning, contradicts that."""
+    if law is not Law.fuzzy:
+        raise typer.BadParameter(f"--law {law.value} is one law, --all-laws is every law: give one of the two")
+    if tuning is not None:
+        raise typer.BadParameter("--tuning holds the parameters of one law: leave it out, or --all-laws")
+    return [*drivers_of(profile, law), *BASELINES]

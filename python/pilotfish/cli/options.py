@@ -103,11 +103,23 @@ def writable_folder(folder: Path | None) -> Path | None:
     return folder
 
 
+class PictureFormat(str, Enum):
+    """What pictures are written as."""
+
+    png = "png"
+    svg = "svg"
+    pdf = "pdf"
+
+
+FormatOption = Annotated[
+    PictureFormat,
+    typer.Option("--format", help="What drawings are written as; svg and pdf keep text as text and scale."),
+]
+DarkOption = Annotated[bool, typer.Option("--dark", help="Light lines on a dark ground.")]
+
 OutOption = Annotated[
     Path | None,
-    typer.Option(
-        "--out", file_okay=False, callback=writable_folder, help="Folder for recordings (CSV) and pictures (PNG)."
-    ),
+    typer.Option("--out", file_okay=False, callback=writable_folder, help="Folder for recordings (CSV) and pictures."),
 ]
 
 

@@ -3,76 +3,108 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PathCollection
 from matplotlib.figure import Figure
-from matplotlib.markers import MarkerStyle
+from matplotlib.lines import Line2D
 from matplotlib.path import Path
+from matplotlib.transforms import Affine2D, IdentityTransform
 
-from pilotfish.plots.style import FOLLOWER, GREEN, LEADER, ORANGE, PURPLE, SETPOINT, style
+from pilotfish.plots.laws import LawStyle, law_styles
+from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.recording import FloatArray, Recording
 
 TICK_EVERY_S = 2.0
-_FOLLOWERS = (FOLLOWER, GREEN, PURPLE, ORANGE)
 _ARROWHEAD = Path([(1.0, 0.0), (-0.6, 0.55), (-0.3, 0.0), (-0.6, -0.55), (1.0, 0.0)])  # heading 0
+_ARROWHEAD_PT = 5.5
+_LEADER_WIDTH_PT, _FOLLOWER_WIDTH_PT = 1.2, 2.0
+_CHAIN_DASHES = ("-", (0.0, (6.0, 1.5)), (0.0, (3.0, 1.5)), (0.0, (6.0, 1.5, 1.5, 1.5)), (0.0, (1.5, 1.5)))
+
+Pose = tuple[FloatArray, FloatArray, FloatArray]  # x_m, y_m, heading_rad, each of shape (N,)
 
 
-def draw_paths(recordings: Sequence[Recording], title: str) -> Figure:
+def draw_paths(recordings: Sequence[Recording], title: str, theme: Theme = LIGHT) -> Figure:
     """Paths of all robots, with a legend below."""
-    with style():
+    with style(theme):
         figure = Figure(figsize=(7.2, _height_in(recordings)))
         axes = figure.subplots()
-        draw_paths_on(axes, recordings)
+        draw_paths_on(axes, recordings, theme)
         axes.set_title(title)
-        figure.legend(loc="outside lower center", ncols=3, fontsize=9)
+        figure.legend(handles=path_handles(recordings, theme), loc="outside lower center", ncols=3, fontsize=9)
     return figure
 
 
-def draw_paths_on(axes: Axes, recordings: Sequence[Recording]) -> None:
+def draw_paths_on(axes: Axes, recordings: Sequence[Recording], theme: Theme = LIGHT) -> None:
     """Paths of all robots and of the leaders that are not themselves recorded; every TICK_EVERY_S seconds an
     arrowhead shows the heading and a thin line joins robot and leader."""
-    recorded = {recording.meta.robot for recording in recordings}
-    drawn: set[str] = set()
-    for recording, colour in zip(recordings, _FOLLOWERS * len(recordings), strict=False):
+    leaders = _leaders(recordings)
+    for recording in leaders.values():
+        pose = (recording.leader_x_m, recording.leader_y_m, recording.leader_heading_rad)
+        _draw_path(axes, pose, _every(recording.time_s, TICK_EVERY_S), _leader_style(recording, theme))
+    for recording, own in zip(recordings, _follower_styles(recordings, theme), strict=True):
         every = _every(recording.time_s, TICK_EVERY_S)
-        axes.plot(
-            np.stack([recording.x_m[every], recording.leader_x_m[every]]),
-            np.stack([recording.y_m[every], recording.leader_y_m[every]]),
-            color=SETPOINT,
-            linewidth=0.5,
-            alpha=0.6,
-        )
-        meta = recording.meta
-        if meta.leader not in recorded | drawn:
-            drawn.add(meta.leader)
-            leader = (recording.leader_x_m, recording.leader_y_m, recording.leader_heading_rad)
-            _draw_path(axes, leader, every, LEADER, f"{meta.leader} (leads)")
-        own = (recording.x_m, recording.y_m, recording.heading_rad)
-        _draw_path(axes, own, every, colour, f"{meta.robot} (follows {meta.leader} by sight)")
-    axes.plot([], [], "o", color=SETPOINT, markerfacecolor="white", label="start")
-    axes.plot([], [], "s", color=SETPOINT, label="end")
-    axes.plot([], [], ">", color=SETPOINT, label=f"heading, every {TICK_EVERY_S:.0f} s")
-    axes.plot([], [], color=SETPOINT, linewidth=0.5, label=f"line of sight, every {TICK_EVERY_S:.0f} s")
+        eye = np.stack([recording.x_m[every], recording.y_m[every]], axis=-1)
+        seen = np.stack([recording.leader_x_m[every], recording.leader_y_m[every]], axis=-1)
+        sight = LineCollection(np.stack([eye, seen], axis=1), colors=theme.guide, linewidths=0.5, alpha=0.6, zorder=1.5)
+        axes.add_collection(sight)
+        _draw_path(axes, (recording.x_m, recording.y_m, recording.heading_rad), every, own)
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.set_aspect("equal", adjustable="datalim")
 
 
-def _draw_path(
-    axes: Axes,
-    pose: tuple[FloatArray, FloatArray, FloatArray],
-    every: np.ndarray,
-    colour: str,
-    label: str,
-) -> None:
+def path_handles(recordings: Sequence[Recording], theme: Theme = LIGHT) -> list[Line2D]:
+    """For the legend of ``draw_paths_on``."""
+    styles = [_leader_style(recording, theme) for recording in _leaders(recordings).values()]
+    styles += _follower_styles(recordings, theme)
+    aid = {"color": theme.guide, "linestyle": "none"}
+    return [
+        *(Line2D([], [], **own.line()) for own in styles),
+        Line2D([], [], marker="o", markerfacecolor=theme.ground, label="start", **aid),
+        Line2D([], [], marker="s", label="end", **aid),
+        Line2D([], [], marker=">", label=f"heading, every {TICK_EVERY_S:.0f} s", **aid),
+        Line2D([], [], color=theme.guide, linewidth=0.5, label=f"line of sight, every {TICK_EVERY_S:.0f} s"),
+    ]
+
+
+def _leaders(recordings: Sequence[Recording]) -> dict[str, Recording]:
+    """By the name of each leader that is not itself recorded: a run that shows where it went."""
+    recorded = {recording.meta.robot for recording in recordings}
+    seen_by = {recording.meta.leader: recording for recording in reversed(recordings)}
+    return {leader: recording for leader, recording in reversed(seen_by.items()) if leader not in recorded}
+
+
+def _leader_style(recording: Recording, theme: Theme) -> LawStyle:
+    return LawStyle(f"{recording.meta.leader} (leads)", theme.ink, "-", _LEADER_WIDTH_PT, 2.0)
+
+
+def _follower_styles(recordings: Sequence[Recording], theme: Theme) -> list[LawStyle]:
+    """The colour says which law drove; robots of a chain, which the same law drives, differ by their dashes."""
+    styles = []
+    for number, recording in enumerate(recordings):
+        law = law_styles([recording.meta.profile], theme)[recording.meta.profile]
+        label = f"{recording.meta.robot} (follows {recording.meta.leader} by sight)"
+        dashes = _CHAIN_DASHES[number % len(_CHAIN_DASHES)]
+        styles.append(replace(law, label=label, dashes=dashes, width_pt=_FOLLOWER_WIDTH_PT, zorder=2.5))
+    return styles
+
+
+def _draw_path(axes: Axes, pose: Pose, every: np.ndarray, own: LawStyle) -> None:
     x_m, y_m, heading_rad = pose
-    axes.plot(x_m, y_m, color=colour, label=label)
-    for x, y, heading in zip(x_m[every], y_m[every], heading_rad[every], strict=True):
-        arrowhead = MarkerStyle(_ARROWHEAD).rotated(rad=float(heading))
-        axes.plot(x, y, marker=arrowhead, markersize=9, color=colour, markeredgewidth=0)
-    axes.plot(x_m[0], y_m[0], "o", color=colour, markerfacecolor="white", markersize=9, zorder=5)
-    axes.plot(x_m[-1], y_m[-1], "s", color=colour, markersize=7, zorder=5)
+    axes.plot(x_m, y_m, **own.line())
+    arrowheads = [Affine2D().rotate(float(heading)).transform_path(_ARROWHEAD) for heading in heading_rad[every]]
+    places = np.stack([x_m[every], y_m[every]], axis=-1)
+    heads = PathCollection(
+        arrowheads, sizes=(_ARROWHEAD_PT**2,), offsets=places, offset_transform=axes.transData, zorder=own.zorder + 0.1
+    )
+    heads.set(color=own.colour, linewidth=0, transform=IdentityTransform())
+    axes.add_collection(heads)
+    mark = {"color": own.colour, "linestyle": "none", "zorder": 5}
+    axes.plot(x_m[0], y_m[0], marker="o", markerfacecolor=axes.get_facecolor(), markersize=9, **mark)
+    axes.plot(x_m[-1], y_m[-1], marker="s", markersize=7, **mark)
 
 
 def _every(time_s: FloatArray, period_s: float) -> np.ndarray:

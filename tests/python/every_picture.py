@@ -1,0 +1,67 @@
+"""Every figure that pilotfish draws, of runs written down by formula."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+from synthetic_run import exponential_run
+
+from pilotfish import data, fuzzy
+from pilotfish.camera_view import CameraView
+from pilotfish.fuzzy_report import analyse
+from pilotfish.plots.comparison import draw_comparison
+from pilotfish.plots.distance_error import draw_distance_error
+from pilotfish.plots.fuzzy_curve import draw_curve
+from pilotfish.plots.fuzzy_explanation import draw_explanation
+from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
+from pilotfish.plots.overview import Summary, draw_overview
+from pilotfish.plots.paths import draw_paths
+from pilotfish.plots.style import LIGHT, Theme
+from pilotfish.plots.surface import draw_surface
+from pilotfish.recording import Recording
+
+LAWS = ("paper", "pbvs", "pid", "anticipate")
+
+
+def view(time_s: float, **changes) -> CameraView:
+    """A picture of noise with one tag in it."""
+    corners = np.array([[100.0, 200.0], [200.0, 200.0], [200.0, 100.0], [100.0, 100.0]])
+    image = np.random.default_rng(round(10 * time_s)).integers(0, 256, (480, 640), dtype=np.uint8)
+    values = {"status": "tracking", "tags": ((7, corners),), "distance_m": 1.1, "bearing_rad": -0.1745}
+    return CameraView(time_s=time_s, image=image, **(values | changes))
+
+
+def runs(*laws: str) -> dict[str, Recording]:
+    return {law: exponential_run(profile=law) for law in laws}
+
+
+def chain() -> list[Recording]:
+    """Three robots, each behind the one before, and no word about their law."""
+    pairs = (("robot1", "leader"), ("robot2", "robot1"), ("robot3", "robot2"))
+    return [exponential_run(robot=robot, leader=leader, profile="") for robot, leader in pairs]
+
+
+def _law() -> fuzzy.Controller:
+    return fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
+
+
+def _explanation(theme: Theme) -> Figure:
+    return draw_explanation(_law(), -0.2, 0.1, fuzzy.InputWidths(error=0.1), theme)
+
+
+DRAW = {
+    "one run": lambda theme: draw_distance_error(exponential_run(), "A run", theme),
+    "paths": lambda theme: draw_paths([exponential_run()], "From above", theme),
+    "paths of a chain": lambda theme: draw_paths(chain(), "A chain", theme),
+    "comparison": lambda theme: draw_comparison({"A line": runs(*LAWS), "A circle": runs(*LAWS)}, theme),
+    "comparison of unknown laws": lambda theme: draw_comparison({"A line": runs("mine", "yours", "paper")}, theme),
+    "overview": lambda theme: draw_overview([Summary(name, runs(*LAWS), view(3.0)) for name in ("a", "b")], theme),
+    "fuzzy sets": lambda theme: draw_fuzzy_sets(_law(), theme=theme),
+    "surface": lambda theme: draw_surface(_law(), theme=theme),
+    "curve": lambda theme: draw_curve(_law(), analyse(_law()), theme=theme),
+    "explanation": _explanation,
+}
+
+
+def drawn(which: str, theme: Theme = LIGHT) -> Figure:
+    return DRAW[which](theme)
