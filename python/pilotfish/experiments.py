@@ -162,9 +162,11 @@ def metrics_table(results: Sequence[Result], title: str = "Following by sight") 
 
 def run_names(result: Result) -> list[str]:
     """What tells a run from others in a table: the experiment, the figure it repeats, the law."""
-    name, _, robot = result.experiment.name.partition("_")
-    where = "non-ideal" if robot == "nonideal" else result.experiment.figure or robot
-    return [name, where, law_name(result.profile)]
+    name, where = result.experiment.name, result.experiment.figure
+    for suffix, meaning in (("nonideal", "non-ideal"), (result.recording.meta.robot, result.recording.meta.robot)):
+        if name.endswith(f"_{suffix}"):
+            name, where = name.removesuffix(f"_{suffix}"), meaning
+    return [name, *filter(None, [where]), law_name(result.profile)]
 
 
 def metrics_rows(results: Sequence[Result]) -> list[tuple[str, list[str]]]:
