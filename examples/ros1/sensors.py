@@ -1,5 +1,7 @@
 """The robot's odometry and camera: from ROS 1 to a coordinator."""
 
+import time
+
 import rospy
 from nav_msgs.msg import Odometry
 from node import join, utime_of
@@ -21,7 +23,7 @@ def sensors(
 ) -> None:
     """Give a coordinator the robot's odometry and camera.
 
-    Its configuration: `odometry: pose`, and the source lcm:ROBOT1_IMAGE.
+    Its configuration: `odometry: pose`, and `source: lcm`.
     """
     with friendly_errors():
         options.check_sensor_topics(odom, image, compressed)
@@ -40,4 +42,5 @@ def sensors(
                     buff_size=PICTURE_BUFFER_BYTES,
                     tcp_nodelay=True,
                 )
-        stop.wait()
+        while not stop.is_set():
+            time.sleep(0.1)  # rospy's threads do the work

@@ -18,7 +18,7 @@ def sensors(
 ) -> None:
     """Give a coordinator the robot's odometry and camera.
 
-    Its configuration: `odometry: pose`, and the source lcm:ROBOT1_IMAGE.
+    Its configuration: `odometry: pose`, and `source: lcm`.
     """
     with friendly_errors():
         options.check_sensor_topics(odom, image, compressed)
