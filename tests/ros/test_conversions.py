@@ -130,6 +130,12 @@ def test_a_jpeg_keeps_its_bytes_and_says_its_size(size, options):
     assert (out.width, out.height, out.pixelformat, out.data) == (*size, image_t.PIXEL_FORMAT_MJPEG, data)
 
 
+def test_a_huffman_table_before_the_frame_header_is_no_frame_header():
+    whole = jpeg(64, 48)
+    table = b"\xff\xc4\x00\x0b" + bytes(9)
+    assert picture_from_compressed(Message(format="jpeg", data=whole[:2] + table + whole[2:]), 1).width == 64
+
+
 def test_what_is_no_jpeg_or_cut_off_is_refused():
     whole = jpeg(64, 48)
     for length in range(len(whole)):

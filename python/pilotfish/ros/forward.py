@@ -69,9 +69,11 @@ def forward_commands(
     link.on_command(robot, lambda report: gate.on_command(report, link.arrival_us))
     link.on_base(robot, lambda report: gate.on_base(report, link.arrival_us, time.time_ns() // 1000))
     period_us = round(1e6 / rate_hz)
-    due_us, last, reason = 0, None, None
+    due_us, wake_us, last, reason = 0, 0, None, None
     try:
         while not stop.is_set():
+            # Rounded up: a wait that ends before the moment would spin until it has come.
+            link.handle(max(0, -((core.monotonic_now_us() - wake_us) // 1000)))
             command = gate.at(now_us := core.monotonic_now_us())
             if command.twist != last or now_us >= due_us:
                 publish(command)
@@ -79,8 +81,6 @@ def forward_commands(
             if command.reason != reason:
                 on_reason(reason := command.reason)
             wake_us = min(due_us, command.until_us or due_us)
-            # Rounded up: a wait that ends before the moment would spin until it has come.
-            link.handle(max(0, -((core.monotonic_now_us() - wake_us) // 1000)))
     finally:
         for _ in range(_LAST_ZEROS):
             publish(GatedCommand(core.Twist(), 0, 0, "this bridge ends"))
