@@ -6,12 +6,16 @@ import rosgraph
 import rospy
 
 from pilotfish import ros
-from pilotfish.errors import SilentRobotError
+from pilotfish.errors import ConfigError, SilentRobotError
 
 
 def join(duty: str) -> threading.Event:
     """Makes this process a node; the event is set when it is to end: by a signal, or by `rosnode kill`."""
-    if not rosgraph.is_master_online():
+    try:
+        online = rosgraph.is_master_online()
+    except ValueError as error:
+        raise ConfigError(f"ROS_MASTER_URI: {error}; it is as http://localhost:11311") from error
+    if not online:
         raise SilentRobotError(f"no ROS master at {rosgraph.get_master_uri()}: start roscore, or set ROS_MASTER_URI")
     rospy.init_node(f"pilotfish_{duty}", anonymous=True, disable_signals=True)
     stop = ros.stop_on_signals()

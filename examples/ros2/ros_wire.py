@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import messages
 import typer
-from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
@@ -14,7 +14,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, SilentRobotError
 
 MAX_DOMAIN = 232
 DomainOption = Annotated[
@@ -36,10 +36,7 @@ def sensor_qos(depth: int) -> Qos:
 
 def dds_topic(ros_topic: str) -> str:
     """``/cmd_vel`` is ``rt/cmd_vel`` on the wire."""
-    name = ros_topic.removeprefix("/")
-    if not name or not all(part.isidentifier() and part.isascii() for part in name.split("/")):
-        raise ConfigError(f"{ros_topic!r} is no topic: letters, digits and underscores, separated by /: /base/cmd_vel")
-    return f"rt/{name}"
+    return f"rt/{ros_topic.removeprefix('/')}"
 
 
 class Participant:
@@ -76,7 +73,11 @@ def join(domain: int | None) -> Participant:
     text = os.environ.get("ROS_DOMAIN_ID") or "0"
     if domain is None and (not text.isdecimal() or int(text) > MAX_DOMAIN):
         raise ConfigError(f"ROS_DOMAIN_ID={text} is not a number from 0 to {MAX_DOMAIN}")
-    return Participant(int(text) if domain is None else domain)
+    try:
+        return Participant(int(text) if domain is None else domain)
+    except DDSException as error:
+        hint = "is a network up, and CYCLONEDDS_URI right?"
+        raise SilentRobotError(f"DDS cannot be opened ({hint}): {error.msg}") from error
 
 
 def stamp(utime: int) -> messages.Time:

@@ -158,14 +158,18 @@ def test_the_status_and_the_leader_reach_ros(graph, url):
 WRONG = (
     (["sensors", "robot1", "--image", "/a", "--compressed", "/b"], 64, "--compressed"),
     (["cmd-vel", "no name"], 78, "no name"),
-    (["cmd-vel", "robot1", "--rate-hz", "1"], 64, "20 to 200"),
+    (["report", "robot1", "--leader", "/a b"], 64, "'/a b' is no topic"),
 )
 
 
-def test_what_is_wrong_on_the_command_line_is_said_without_a_traceback(graph):
+def test_what_is_wrong_on_the_command_line_is_said_without_a_traceback(graph, monkeypatch):
     with ExitStack() as started:
         bridges = [started.enter_context(graph.bridge(*arguments)) for arguments, _, _ in WRONG]
-        for bridge, (_, code, says) in zip(bridges, WRONG, strict=True):
+        for name in ("ROS_MASTER_URI", "CYCLONEDDS_URI"):
+            monkeypatch.setenv(name, "http://nobody.invalid:1")
+        bridges.append(started.enter_context(graph.bridge("report", "robot1")))
+        nobody = {"ros1": "no ROS master at http://nobody.invalid:1", "ros2": "DDS cannot be opened"}[graph.name]
+        for bridge, (_, code, says) in zip(bridges, [*WRONG, ([], 69, nobody)], strict=True):
             assert bridge.process.wait(WITHIN_S) == code
             assert says in bridge.stderr()
             assert "Traceback" not in bridge.stderr()
