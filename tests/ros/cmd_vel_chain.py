@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from graphs import Graph, Heard
+from ros_graphs import Graph, Heard
 
 from build_tree import ROOT
 from pilotfish import data as shipped

@@ -11,7 +11,7 @@ from pilotfish.harness.child import Child
 from pilotfish.harness.ports import private_lcm_url
 
 if TYPE_CHECKING:
-    from graphs import Graph
+    from ros_graphs import Graph
 
 STARTS_WITHIN_S = 30.0
 
@@ -23,7 +23,7 @@ def url() -> str:
 
 @pytest.fixture(scope="session")
 def rospy_python() -> tuple[str, dict[str, str]]:
-    from graphs import python_with_rospy
+    from ros_graphs import python_with_rospy
 
     if not shutil.which("roscore"):
         pytest.skip("no roscore: apt-get install --no-install-recommends python3-roslaunch python3-rosmaster")
@@ -36,7 +36,7 @@ def rospy_python() -> tuple[str, dict[str, str]]:
 @pytest.fixture(scope="session")
 def master(rospy_python, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A real roscore on a free port."""
-    from graphs import free_tcp_port
+    from ros_graphs import free_tcp_port
 
     folder, port = tmp_path_factory.mktemp("roscore"), free_tcp_port()
     with pytest.MonkeyPatch.context() as patch:
@@ -51,7 +51,7 @@ def master(rospy_python, tmp_path_factory: pytest.TempPathFactory) -> Iterator[s
 @pytest.fixture(params=["ros1", "ros2"], scope="module")
 def graph(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Graph]:
     """A graph of ROS 1, then one of ROS 2; skipped where that is not installed."""
-    import graphs
+    import ros_graphs as graphs
 
     folder = tmp_path_factory.mktemp(request.param)
     with pytest.MonkeyPatch.context() as patch:

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from definitions import Definitions
+from ros_definitions import Definitions
 from rosbags.typesys import Stores
 
 from build_tree import ROOT

@@ -7,13 +7,18 @@ from __future__ import annotations
 import io
 import time
 from collections import defaultdict
+from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Any
 
 import lcm
 import numpy as np
-from graphs import Graph
+import pytest
 from PIL import Image
+from ros_graphs import Graph, Listener
 
+from pilotfish.harness.child import Child
 from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.bot_core.pose_t import pose_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
@@ -80,79 +85,114 @@ class Received:
         return [self.messages[channel][utime] for utime in utimes]
 
 
-def test_odometry_and_raw_pictures_reach_the_coordinators_channels(graph, url):
+@dataclass
+class Running:
+    """Three bridges and their peers, started at once."""
+
+    motions: list[Any]
+    pictures: list[Any]
+    jpegs: list[Any]
+    sensors: Child
+    compressed: Child
+    report: Child
+    diagnostics: Listener
+    leader: Listener
+    received: Received
+
+
+@pytest.fixture(scope="module")
+def running(graph, url) -> Iterator[Running]:
     motions = [odometry(graph, UTIME + k) for k in range(3)]
     formats = ("rgb8", 64, 48, 200), ("mono8", 64, 48, 64), ("bgr8", 33, 7, 99), ("rgb8", 640, 480, 1920)
     pictures = [image(graph, UTIME + k, *each) for k, each in enumerate(formats)]
     refused = [image(graph, UTIME + 9, "yuv422", 64, 48, 128), image(graph, 0, "mono8", 4, 4, 4)]
-    topics = graph.topic("odom"), graph.topic("image_raw")
-    received = Received(url, {"ROBOT1_POSE": pose_t, "ROBOT1_IMAGE": image_t})
-    with (
-        graph.publish(topics[0], motions),
-        graph.publish(topics[1], [*pictures, *refused]),
-        graph.bridge("sensors", "robot1", "--odom", topics[0], "--image", topics[1], "--lcm-url", url) as bridge,
-    ):
-        for given, got in zip(motions, received.wait(bridge, "ROBOT1_POSE", range(UTIME, UTIME + 3)), strict=True):
-            position, twist = given.pose.pose.position, given.twist.twist
-            assert got.pos == (position.x, position.y, position.z)
-            assert got.orientation == (1.0, 0.0, 0.0, 0.0)
-            assert got.vel == (twist.linear.x, twist.linear.y, 0.0)
-            assert got.rotation_rate == (0.0, 0.0, twist.angular.z)
-        for given, got in zip(pictures, received.wait(bridge, "ROBOT1_IMAGE", range(UTIME, UTIME + 4)), strict=True):
-            assert (got.width, got.height, got.row_stride) == (given.width, given.height, given.step)
-            assert got.data == given.data.tobytes()
-        for reason in ("header.stamp is not set", "'yuv422': Pilotfish reads mono8, 8UC1, rgb8, bgr8"):
-            bridge.wait_until(lambda reason=reason: reason in bridge.stderr(), WITHIN_S, "the reason of a refusal")
-        assert bridge.terminate() == 0
-    assert not {UTIME + 9, 0} & set(received.messages["ROBOT1_IMAGE"])
+    jpegs = [compressed(graph, UTIME + k) for k in range(2)]
+    odom, raw, jpeg, status, leader = (graph.topic(name) for name in ("odom", "raw", "jpeg", "status", "leader"))
+    lcm_url = ("--lcm-url", url)
+    with ExitStack() as started:
+        start = started.enter_context
+        for topic, messages in ((odom, motions), (raw, [*pictures, *refused]), (jpeg, jpegs)):
+            start(graph.publish(topic, messages))
+        shown = ("--diagnostics", status, "--leader", leader, "--frame", "base")
+        yield Running(
+            motions,
+            pictures,
+            jpegs,
+            start(graph.bridge("sensors", "robot1", "--odom", odom, "--image", raw, *lcm_url)),
+            start(graph.bridge("sensors", "robot2", "--compressed", jpeg, *lcm_url)),
+            start(graph.bridge("report", "robot1", *shown, *lcm_url)),
+            start(graph.listen(status, "diagnostic_msgs/msg/DiagnosticArray")),
+            start(graph.listen(leader, "geometry_msgs/msg/PoseStamped")),
+            Received(url, {"ROBOT1_POSE": pose_t, "ROBOT1_IMAGE": image_t, "ROBOT2_IMAGE": image_t}),
+        )
 
 
-def test_compressed_pictures_reach_the_coordinators_channel(graph, url):
-    pictures, topic = [compressed(graph, UTIME + k) for k in range(2)], graph.topic("compressed")
-    received = Received(url, {"ROBOT2_IMAGE": image_t})
-    with (
-        graph.publish(topic, pictures),
-        graph.bridge("sensors", "robot2", "--compressed", topic, "--lcm-url", url) as bridge,
-    ):
-        for given, got in zip(pictures, received.wait(bridge, "ROBOT2_IMAGE", [UTIME, UTIME + 1]), strict=True):
-            assert (got.width, got.height, got.pixelformat) == (64, 48, image_t.PIXEL_FORMAT_MJPEG)
-            assert got.data == given.data.tobytes()
+def test_odometry_reaches_the_coordinators_channel(running):
+    received = running.received.wait(running.sensors, "ROBOT1_POSE", range(UTIME, UTIME + 3))
+    for given, got in zip(running.motions, received, strict=True):
+        position, twist = given.pose.pose.position, given.twist.twist
+        assert got.pos == (position.x, position.y, position.z)
+        assert got.orientation == (1.0, 0.0, 0.0, 0.0)
+        assert got.vel == (twist.linear.x, twist.linear.y, 0.0)
+        assert got.rotation_rate == (0.0, 0.0, twist.angular.z)
 
 
-def test_the_status_and_the_leader_reach_ros(graph, url):
+def test_pictures_reach_the_coordinators_channel_and_others_are_refused_by_name(running):
+    received = running.received.wait(running.sensors, "ROBOT1_IMAGE", range(UTIME, UTIME + 4))
+    for given, got in zip(running.pictures, received, strict=True):
+        assert (got.width, got.height, got.row_stride) == (given.width, given.height, given.step)
+        assert got.data == given.data.tobytes()
+    bridge = running.sensors
+    for reason in ("header.stamp is not set", "'yuv422': Pilotfish reads mono8, 8UC1, rgb8, bgr8"):
+        bridge.wait_until(lambda reason=reason: reason in bridge.stderr(), WITHIN_S, "the reason of a refusal")
+    assert not {UTIME + 9, 0} & set(running.received.messages["ROBOT1_IMAGE"])
+
+
+def test_compressed_pictures_reach_the_coordinators_channel(running):
+    received = running.received.wait(running.compressed, "ROBOT2_IMAGE", [UTIME, UTIME + 1])
+    for given, got in zip(running.jpegs, received, strict=True):
+        assert (got.width, got.height, got.pixelformat) == (64, 48, image_t.PIXEL_FORMAT_MJPEG)
+        assert got.data == given.data.tobytes()
+
+
+def test_the_status_and_the_leader_reach_ros(running, url):
     status = status_t()
     status.utime, status.status, status.text = UTIME, command_t.STATUS_LOST, "lost: größer"
     status.error_m, status.frame_rate_hz = 0.125, 29.5
     observation = observation_t()
     observation.utime, observation.detected = UTIME, True
     observation.distance_m, observation.bearing_rad, observation.heading_rad = 1.25, 0.3, -0.7
-    topics = graph.topic("diagnostics"), graph.topic("leader")
-    bus = lcm.LCM(url)
-    with (
-        graph.listen(topics[0], "diagnostic_msgs/msg/DiagnosticArray") as diagnostics,
-        graph.listen(topics[1], "geometry_msgs/msg/PoseStamped") as leader,
-        graph.bridge(
-            "report", "robot1", "--diagnostics", topics[0], "--leader", topics[1], "--lcm-url", url, "--frame", "base"
-        ) as bridge,
-    ):
+    bus, bridge, diagnostics, leader = lcm.LCM(url), running.report, running.diagnostics, running.leader
 
-        def all_heard():
-            bus.publish("ROBOT1_STATUS", b"no status")  # survived
-            bus.publish("ROBOT1_STATUS", status.encode())
-            bus.publish("ROBOT1_OBSERVATION", observation.encode())
-            return diagnostics.raw() and leader.raw()
+    def all_heard():
+        bus.publish("ROBOT1_STATUS", b"no status")  # survived
+        bus.publish("ROBOT1_STATUS", status.encode())
+        bus.publish("ROBOT1_OBSERVATION", observation.encode())
+        return levels(diagnostics) & {2} and leader.raw()
 
-        bridge.wait_until(all_heard, WITHIN_S, "both messages")
-        pose = leader.heard()[-1].message
-        assert (pose.header.frame_id, pose.header.stamp.sec) == ("base", UTIME // 1_000_000)
-        assert pose.header.stamp.nanosec == UTIME % 1_000_000 * 1000
-        assert (pose.pose.position.x, pose.pose.position.y) == (1.25 * np.cos(0.3), 1.25 * np.sin(0.3))
-        assert (pose.pose.orientation.z, pose.pose.orientation.w) == (np.sin(-0.35), np.cos(-0.35))
-        (found,) = next(h for h in diagnostics.heard() if h.message.status[0].level == 2).message.status
-        assert (found.name, found.message, found.hardware_id) == ("pilotfish: robot1", "lost: größer", "robot1")
-        assert ("error_m", "0.125") in {(value.key, value.value) for value in found.values}
-        # And when the coordinator falls silent, so it says (level 3: stale).
-        bridge.wait_until(lambda: diagnostics.heard()[-1].message.status[0].level == 3, WITHIN_S, "staleness")
+    bridge.wait_until(all_heard, WITHIN_S, "both messages")
+    pose = leader.heard()[-1].message
+    assert (pose.header.frame_id, pose.header.stamp.sec) == ("base", UTIME // 1_000_000)
+    assert pose.header.stamp.nanosec == UTIME % 1_000_000 * 1000
+    assert (pose.pose.position.x, pose.pose.position.y) == (1.25 * np.cos(0.3), 1.25 * np.sin(0.3))
+    assert (pose.pose.orientation.z, pose.pose.orientation.w) == (np.sin(-0.35), np.cos(-0.35))
+    (found,) = next(h for h in diagnostics.heard() if h.message.status[0].level == 2).message.status
+    assert (found.name, found.message, found.hardware_id) == ("pilotfish: robot1", "lost: größer", "robot1")
+    assert ("error_m", "0.125") in {(value.key, value.value) for value in found.values}
+    # And when the coordinator falls silent, so it says (level 3: stale).
+    diagnostics.forget()
+    bridge.wait_until(lambda: 3 in levels(diagnostics), WITHIN_S, "staleness")
+
+
+def levels(diagnostics):
+    return {heard.message.status[0].level for heard in diagnostics.heard()}
+
+
+def test_a_bridge_ends_with_0_when_it_is_told_to(running):
+    bridges = running.sensors, running.compressed, running.report
+    for bridge in bridges:
+        bridge.process.terminate()
+    assert [bridge.process.wait(WITHIN_S) for bridge in bridges] == [0, 0, 0]
 
 
 WRONG = (

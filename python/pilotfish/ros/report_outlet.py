@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import select
 import struct
 import time
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from pilotfish.ros.diagnosis import Diagnosis, diagnose, silent
 
 _EVERY_S = 1.0  # the usual rate of /diagnostics
 _SILENT_S = 2.0
+_MOST_AT_ONCE = 100  # messages, so that a flood holds up no diagnosis
 
 
 class ReportOutlet:
@@ -48,9 +50,11 @@ class ReportOutlet:
 
     def handle(self, timeout_ms: int) -> None:
         """Waits up to ``timeout_ms`` for messages, then handles those that have come."""
-        if self._lcm.handle_timeout(timeout_ms):
-            while self._lcm.handle_timeout(0):
-                pass
+        # Not lcm's own wait: a signal ends that with an error.
+        for k in range(_MOST_AT_ONCE):
+            if not select.select([self._lcm], [], [], 0.0 if k else timeout_ms / 1000)[0]:
+                break
+            self._lcm.handle()
         now_s = time.monotonic()
         if now_s - self._heard_s >= _SILENT_S:
             self._latest = silent(self._robot, _SILENT_S)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from definitions import Definitions
+from ros_definitions import Definitions
 from rosbags.typesys import Stores
 
 from build_tree import ROOT
