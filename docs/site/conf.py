@@ -1,4 +1,4 @@
-"""Sphinx of the Python interface; scripts/docs runs it."""
+"""Sphinx of the whole site: guides in Markdown, the Python reference from docstrings. scripts/docs runs it."""
 
 import re
 
@@ -7,9 +7,19 @@ import pilotfish
 project = "Pilotfish"
 author = "the authors of Pilotfish"
 version = release = pilotfish.__version__
-extensions = ["sphinx.ext.autodoc"]
+extensions = ["sphinx.ext.autodoc", "myst_parser"]
+
 html_theme = "furo"
-html_title = "Pilotfish in Python"
+html_title = "Pilotfish"
+html_copy_source = False
+html_show_sourcelink = False
+# The summaries of a search are fetched from the pages found, which no browser does for file://.
+html_show_search_summary = False
+highlight_language = "none"  # what has no language is a diagram or an output
+myst_heading_anchors = 6  # as on a forge: docs/page.md#a-heading
+myst_links_external_new_tab = False
+suppress_warnings = ["myst.header"]  # a guide may begin below another level
+
 default_role = "code"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True, "undoc-members": True}
@@ -17,6 +27,8 @@ autodoc_typehints = "signature"
 autoclass_content = "both"
 add_module_names = False
 python_use_unqualified_type_names = True
+# Packages of extras are not needed to read docstrings.
+autodoc_mock_imports = ["av", "cv2", "mcap", "optuna", "pyarrow", "reportlab", "starlette", "textual", "uvicorn", "websockets"]
 
 SHORTER = {
     "typing.SupportsFloat | typing.SupportsIndex": "float",
