@@ -22,6 +22,12 @@ class BodyLearningError(PilotfishError, ValueError):
     exit_code = 65
 
 
+class CalibrationError(PilotfishError, ValueError):
+    """Pictures from which a camera, or where it sits, cannot be calibrated; the message says what to film instead."""
+
+    exit_code = 65
+
+
 class MissingFileError(PilotfishError, FileNotFoundError):
     """A file or shipped data file that is not there."""
 

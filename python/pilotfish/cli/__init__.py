@@ -10,6 +10,7 @@ import typer
 
 from pilotfish import __version__
 from pilotfish.cli import console
+from pilotfish.cli.calibrate import app as calibrate_app
 from pilotfish.cli.data import data
 from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
@@ -36,7 +37,7 @@ _COMMANDS = {
     "Simulate": (demo, experiment, render, tune),
 }
 _GROUPS = {
-    "Set up a robot": {"leader": leader_app, "key": key_app},
+    "Set up a robot": {"calibrate": calibrate_app, "leader": leader_app, "key": key_app},
     "The fuzzy law": {"fuzzy": fuzzy_app},
 }
 

@@ -122,7 +122,7 @@ def learn_body(
     from pilotfish.errors import ConfigError, PilotfishError
     from pilotfish.vision import TagFamily
 
-    sizes = _sizes(tag_size)
+    sizes = tag_sizes(tag_size)
     with friendly_errors():
         check_writable(output)
         try:
@@ -169,21 +169,24 @@ def _number(text: str, option: str) -> float:
     return value
 
 
-def _of_tag(text: str, option: str) -> tuple[int, float]:
-    """'7=0.10' is (7, 0.10)."""
+def of_tag(text: str, option: str, *, allow_zero: bool = False) -> tuple[int, float]:
+    """'7=0.10' is (7, 0.10); with ``allow_zero`` a length of 0 is one, too."""
     tag_id, _, length = text.partition("=")
     if not tag_id.strip().isdigit():
         raise typer.BadParameter(f"{option}: '{text}' is not ID=METRES, as in 7=0.10")
+    if allow_zero and length.strip() in ("0", "0.0"):
+        return int(tag_id), 0.0
     return int(tag_id), _number(length, option)
 
 
-def _sizes(texts: list[str]) -> TagSizes:
+def tag_sizes(texts: list[str]) -> TagSizes:
+    """What ``--tag-size`` says: one for all tags, others by id."""
     from pilotfish.calibration.body import TagSizes
 
     default = [_number(text, "--tag-size") for text in texts if "=" not in text]
     if len(default) > 1:
         raise typer.BadParameter("--tag-size: several sizes for all tags; give those of single tags as ID=METRES")
-    by_id = dict(_of_tag(text, "--tag-size") for text in texts if "=" in text)
+    by_id = dict(of_tag(text, "--tag-size") for text in texts if "=" in text)
     return TagSizes(default[0] if default else None, by_id)
 
 
@@ -202,7 +205,7 @@ def _base(
     from pilotfish.errors import BodyLearningError
 
     if leader is None and position_m is None:
-        height = _of_tag(height_of, "--height-of") if height_of else None
+        height = of_tag(height_of, "--height-of") if height_of else None
         return TurningCentre(math.radians(facing_deg), height)
     if height_of or (leader and position_m):
         raise typer.BadParameter("--height-of, --reference-position and --reference-leader exclude each other")

@@ -75,6 +75,7 @@ class Collected:
     frames_read: int
     frames_undecodable: int
     rare_ids: tuple[int, ...]  # seen in fewer than MIN_SIGHTINGS frames, hence not accepted
+    frame_numbers: np.ndarray  # (N,): which frames, counted from 0, the N of the sightings are
 
 
 def collect_sightings(
@@ -145,7 +146,8 @@ def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: in
     everything = Sightings(
         frame, np.searchsorted(ids, tag_id), np.array([corners for *_, corners in found]), ids, sizes_m
     )
-    accepted = everything.where(~np.isin(tag_id, rare))
+    is_accepted = ~np.isin(tag_id, rare)
+    accepted = everything.where(is_accepted)
     if not len(accepted):
         raise BodyLearningError(
             f"{_named(rare)}: seen in fewer than {MIN_SIGHTINGS} frames each, of {read}: film for longer"
@@ -155,7 +157,7 @@ def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: in
             f"{len(accepted.ids)} ids were seen ({_named(accepted.ids.tolist())}), a body wears at most {MAX_TAGS}: "
             "name those that are not on the robot with --ignore ID"
         )
-    return Collected(accepted, read, undecodable, rare)
+    return Collected(accepted, read, undecodable, rare, np.unique(frame[is_accepted]))
 
 
 def _named(ids: Iterable[int]) -> str:
