@@ -56,9 +56,10 @@ def sections(index: str) -> list[tuple[str, list[tuple[str, str]]]]:
     ]
 
 
-def toctree(caption: str, entries: list[tuple[str, str]]) -> str:
-    """A table of contents that only the sidebar shows."""
-    lines = [f"{title} </{re.sub(r'[.](md|rst)$', '', source)}>" for title, source in entries]
+def toctree(caption: str, entries: list[tuple[str | None, str]]) -> str:
+    """A table of contents that only the sidebar shows: pages with the titles given, or with their own (None)."""
+    names = [(title, "/" + re.sub(r"[.](md|rst)$", "", source)) for title, source in entries]
+    lines = [f"{title} <{name}>" if title else name for title, name in names]
     return "\n".join(["```{toctree}", ":hidden:", f":caption: {caption}", "", *lines, "```", ""])
 
 
@@ -78,7 +79,7 @@ def decisions_page() -> str:
     titles = [(headings(path.read_text())[0], path.name) for path in files]
     lines = ["# Decisions", "", "What was chosen, what was not, and why.", ""]
     lines += [f"- [{title}]({name})" for title, name in titles]
-    return "\n".join([*lines, "", toctree("Decisions", [(title, f"decisions/{name}") for title, name in titles])])
+    return "\n".join([*lines, "", toctree("Decisions", [(None, f"decisions/{name}") for _, name in titles])])
 
 
 def source_page(path: str) -> str:
@@ -115,6 +116,14 @@ def linked(page: str) -> list[str]:
     return [resolved(page, target)[0] for target in inside]
 
 
+def broken_links() -> list[str]:
+    """Links of documents that lead to no file of the repository, a line each."""
+    pages_with_links = [*(path for path in documents() if path.endswith(".md"))]
+    return [
+        f"{page}: {path} is not there" for page in pages_with_links for path in linked(page) if not (ROOT / path).exists()
+    ]
+
+
 def pages() -> dict[str, str]:
     """Every page of the site's sources, by its path there."""
     written = documents()
@@ -146,4 +155,6 @@ def assemble(folder: Path) -> None:
 
 
 if __name__ == "__main__":
+    if broken := broken_links():
+        sys.exit("\n".join(broken))
     assemble(Path(sys.argv[1]))

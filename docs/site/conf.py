@@ -52,8 +52,21 @@ def shorten(_app, _what, _name, _obj, _options, signature, returns):
     return short(signature), short(returns)
 
 
+def example_as_code(_app, what, _name, _obj, _options, lines):
+    """The example that ends a module's docstring, from its first import on, is a block of code."""
+    starts = [number for number, line in enumerate(lines) if line.startswith("from pilotfish")]
+    if what == "module" and starts:
+        code = lines[starts[0] :]
+        lines[starts[0] :] = [".. code-block:: python", "", *(f"   {line}" for line in code)]
+
+
 def escape(_app, _what, _name, _obj, _options, lines):
     """Docstrings are plain text: a * or | in a formula, or a name that ends in _, is no markup."""
+    if ".. code-block:: python" in lines:
+        code = lines[lines.index(".. code-block:: python") :]
+        del lines[-len(code) :]
+    else:
+        code = []
     for number, line in enumerate(lines):
         if not line.lstrip().startswith((":", ".. ")):
             parts = re.split(r"(``[^`]*``|`[^`]*`)", line)
@@ -61,8 +74,10 @@ def escape(_app, _what, _name, _obj, _options, lines):
                 part if part.startswith("`") else re.sub(r"([*|\\])|(?<=\w)(_)(?=\W|$)", r"\\\g<0>", part)
                 for part in parts
             )
+    lines += code
 
 
 def setup(app):
     app.connect("autodoc-process-signature", shorten)
+    app.connect("autodoc-process-docstring", example_as_code)
     app.connect("autodoc-process-docstring", escape)
