@@ -1,9 +1,9 @@
 """Lays out the site's pages for Sphinx: python docs/site/assemble.py FOLDER
 
-The documents are written for a forge: they link to each other and to any file of the repository by relative paths. Here
-they are copied into one tree, docs/ to its top and the rest below repository/, with the links adapted. What is linked and
-is no document (sources, configuration, folders) becomes a page with its text. The sidebar is made from the lists in
-docs/index.md, so that the order of pages is written once.
+The documents are written for a forge: they link to each other and to any file of the repository by relative paths.
+Here they are copied into one tree, docs/ to its top and the rest below repository/, with the links adapted. What is
+linked and is no document (sources, configuration, folders) becomes a page with its text. The sidebar is made from the
+lists in docs/index.md, so that the order of pages is written once.
 """
 
 import posixpath
@@ -118,9 +118,8 @@ def linked(page: str) -> list[str]:
 
 def broken_links() -> list[str]:
     """Links of documents that lead to no file of the repository, a line each."""
-    pages_with_links = [*(path for path in documents() if path.endswith(".md"))]
     return [
-        f"{page}: {path} is not there" for page in pages_with_links for path in linked(page) if not (ROOT / path).exists()
+        f"{page}: {path} is not there" for page in documents() for path in linked(page) if not (ROOT / path).exists()
     ]
 
 

@@ -28,7 +28,18 @@ autoclass_content = "both"
 add_module_names = False
 python_use_unqualified_type_names = True
 # Packages of extras are not needed to read docstrings.
-autodoc_mock_imports = ["av", "cv2", "mcap", "optuna", "pyarrow", "reportlab", "starlette", "textual", "uvicorn", "websockets"]
+autodoc_mock_imports = [
+    "av",
+    "cv2",
+    "mcap",
+    "optuna",
+    "pyarrow",
+    "reportlab",
+    "starlette",
+    "textual",
+    "uvicorn",
+    "websockets",
+]
 
 SHORTER = {
     "typing.SupportsFloat | typing.SupportsIndex": "float",
