@@ -1,6 +1,7 @@
 """Sphinx of the whole site: guides in Markdown, the Python reference from docstrings. scripts/docs runs it."""
 
 import re
+from pathlib import Path
 
 import pilotfish
 
@@ -15,7 +16,7 @@ html_copy_source = False
 html_show_sourcelink = False
 # The summaries of a search are fetched from the pages found, which no browser does for file://.
 html_show_search_summary = False
-html_search_scorer = "scorer.js"
+html_search_scorer = str(Path(__file__).with_name("scorer.js"))
 highlight_language = "none"  # what has no language is a diagram or an output
 myst_heading_anchors = 6  # as on a forge: docs/page.md#a-heading
 myst_links_external_new_tab = False
