@@ -18,9 +18,13 @@ from pilotfish.errors import BodyLearningError
 WIDE = core.CameraModel(
     width=640, height=480, fx=420, fy=430, cx=330, cy=230, k1=-0.28, k2=0.08, p1=0.006, p2=-0.004, k3=0.01
 )
+FISHEYE = core.CameraModel(
+    width=640, height=480, fx=250, fy=251, cx=322, cy=236, k1=-0.04, k2=0.012, k3=-0.005, k4=0.0006,
+    lens=core.Lens.kannala_brandt,
+)  # fmt: skip
 
 
-@pytest.mark.parametrize("camera", [CAMERA, WIDE], ids=["mild", "wide"])
+@pytest.mark.parametrize("camera", [CAMERA, WIDE, FISHEYE], ids=["mild", "wide", "fisheye"])
 def test_many_points_are_projected_as_the_camera_model_projects_one(camera):
     points = np.random.default_rng(1).uniform([-0.5, -0.4, 0.6], [0.5, 0.4, 3.0], (200, 3))
     pixels, derivative = project(camera, points)

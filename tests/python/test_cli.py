@@ -32,7 +32,8 @@ def test_without_a_command_the_help_is_shown():
     "command",
     [
         *("stop", "resume", "go", "setpoint", "key new", "experiment", "render", "plot", "replay", "report", "export"),
-        *("learn-body", "tune", "demo", "doctor", "top", "init", "data", "view", "tags", "leader show", "leader check"),
+        *("learn-body", "tune", "demo", "doctor", "top", "init", "data", "view", "leader show", "leader check"),
+        *("calibrate camera", "calibrate mounting"),
     ],
 )
 def test_every_help_has_an_example_to_copy(command):

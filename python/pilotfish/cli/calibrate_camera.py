@@ -102,7 +102,6 @@ def camera(
     with friendly_errors():
         if out:
             check_writable(out)
-            calibration.check_model_readable(model.value)
         the_board = calibration.board_of(board)
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)

@@ -7,7 +7,7 @@ verdict; ``write_calibration`` writes the file that a coordinator reads, and che
 
 from pilotfish.calibration.camera.board_spelling import board_of
 from pilotfish.calibration.camera.calibrate import CameraCalibration, calibrate_camera
-from pilotfish.calibration.camera.calibration_file import check_model_readable, write_calibration
+from pilotfish.calibration.camera.calibration_file import write_calibration
 from pilotfish.calibration.camera.collect import Found, Progress, check_film, every_picture, worthwhile_pictures
 from pilotfish.calibration.camera.detector import BoardDetector
 from pilotfish.calibration.camera.fit import Fit, fit_best, fit_lens
@@ -36,7 +36,6 @@ __all__ = [
     "board_of",
     "calibrate_camera",
     "check_film",
-    "check_model_readable",
     "every_picture",
     "fit_best",
     "fit_lens",

@@ -63,13 +63,6 @@ def check_readable(lens: Lens) -> CameraModel:
     return model
 
 
-def check_model_readable(model: str, size: tuple[int, int] = (640, 480)) -> None:
-    """ConfigError if the reader does not know ``model``: asked before pictures are taken."""
-    width, height = size
-    coefficients = (-0.01, 0.001, 0.0001, -0.0001, 0.0) if model == "pinhole" else (-0.01, 0.001, 0.0001, -0.0001)
-    check_readable(Lens(model, width, height, 0.8 * width, 0.8 * width, width / 2.0, height / 2.0, coefficients))
-
-
 def write_calibration(file: Path, lens: Lens, remarks: Sequence[str] = ()) -> CameraModel:
     """Writes the file, after check_readable; what the reader makes of it. OSError if it cannot be written."""
     model = check_readable(lens)
