@@ -152,8 +152,11 @@ def test_the_robot_follows_is_stopped_and_goes_on_in_the_simulator(desk, folder,
     (diagnosis,) = checked_as("diagnosis")
     stop, go, top = checked_as("operator")
     with ExitStack() as terminals:
-        for number, command in enumerate(checked_as("program")):
+        eyes, *_ = [
             terminals.enter_context(start(command, folder, url, f"terminal{number}"))
+            for number, command in enumerate(checked_as("program"))
+        ]
+        eyes.wait_until(lambda: "tracking" in eyes.stderr(), 30.0, "seeing its leader")
         done = desk(f"{diagnosis} --seconds 3")
         assert (done.returncode, "robot1 follows" in done.stdout) == (0, True), done.stdout + done.stderr
         assert desk(stop).returncode == 0
