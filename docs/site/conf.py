@@ -12,6 +12,7 @@ extensions = ["sphinx.ext.autodoc", "myst_parser"]
 
 html_theme = "furo"
 html_title = "Pilotfish"
+html_show_copyright = False
 html_copy_source = False
 html_show_sourcelink = False
 # The summaries of a search are fetched from the pages found, which no browser does for file://.

@@ -156,8 +156,11 @@ def test_the_robot_follows_is_stopped_and_goes_on_in_the_simulator(desk, folder,
             terminals.enter_context(start(command, folder, url, f"terminal{number}"))
             for number, command in enumerate(checked_as("program"))
         ]
-        eyes.wait_until(lambda: "tracking" in eyes.stderr(), 30.0, "seeing its leader")
-        done = desk(f"{diagnosis} --seconds 3")
+        eyes.wait_until(lambda: "tracking" in eyes.stdout(), 30.0, "seeing its leader")
+        for _ in range(6):  # real time: a busy machine loses pictures while the programs start
+            done = desk(f"{diagnosis} --seconds 3")
+            if done.returncode == 0:
+                break
         assert (done.returncode, "robot1 follows" in done.stdout) == (0, True), done.stdout + done.stderr
         assert desk(stop).returncode == 0
         done = desk(f"{diagnosis} --seconds 3")
@@ -175,7 +178,7 @@ def test_the_robot_follows_is_stopped_and_goes_on_in_the_simulator(desk, folder,
 def test_the_dry_run_runs_until_it_is_ended(desk, folder, url):
     (command,) = checked_as("dry run")
     with start(command, folder, url, "base") as base:
-        base.wait_until(lambda: base.stderr() != "", 10.0, "its first line")
+        base.wait_until(lambda: base.stdout() + base.stderr() != "", 10.0, "its first line")
         assert base.process.poll() is None
         assert base.terminate() == 0
 
