@@ -4,46 +4,32 @@ import os
 import re
 import shutil
 import subprocess
-import sysconfig
 import time
 from pathlib import Path
 
 import pytest
 
-from pilotfish import data as shipped
+import page_commands
 from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
 from pilotfish.harness.ports import private_lcm_url
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
-
-
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
-
-
-COMMANDS = [
-    line.split("#")[0].strip() for block in blocks("sh") for line in block.splitlines() if line.split("#")[0].strip()
-]
+COMMANDS = page_commands.commands("README.md")
+CODE = page_commands.blocks("README.md", "python")
 
 
 @pytest.fixture
 def desk(tmp_path):
-    """A folder in which the README's relative paths hold, with Pilotfish's programs first on the PATH."""
-    (tmp_path / "data").symlink_to(shipped.path("."))
-    path = os.pathsep.join([str(find_executable(SIM).parent), sysconfig.get_path("scripts"), os.environ["PATH"]])
-    environment = {**os.environ, "PATH": path, "LCM_DEFAULT_URL": private_lcm_url()}
-    return lambda command, **how: subprocess.run(
-        command.split(), cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120, **how
-    )
+    return page_commands.desk_in(tmp_path, private_lcm_url())
 
 
 def test_the_readme_shows_commands_and_code():
     assert len(COMMANDS) >= 10
-    assert blocks("python")
+    assert CODE
 
 
-@pytest.mark.parametrize("code", blocks("python"))
+@pytest.mark.parametrize("code", CODE)
 def test_the_code_runs_and_prints_a_tracked_leader(code):
     import sys
 
@@ -54,6 +40,15 @@ def test_the_code_runs_and_prints_a_tracked_leader(code):
 
 # What each command of the README is checked for. None: an existing program of LCM's, or one that other tests run.
 CHECKS = {
+    "scripts/setup": "script",
+    "scripts/build": "script",
+    ". .venv/bin/activate": "environment",  # made by scripts/setup, which CI has run
+    "pilotfish tags --ids 0 --size 0.16 --out tag.pdf": "tag",
+    "pilotfish view --camera 0 --tag-size 0.16": "live pose",
+    "pilotfish init robot1": "folder",
+    "pilotfish-coordinator --config robot1/robot1.yaml": "folder, no camera",
+    "pilotfish doctor --following robot1": "nobody there",
+    "pilotfish go robot1": "operator",
     "scripts/demo": "script",
     "scripts/test": "script",
     "pilotfish-coordinator --config data/config/coordinator.yaml --source camera:0": "no camera",
@@ -101,6 +96,42 @@ def test_pictures_are_rendered_and_followed(desk):
     done = desk(follow)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count('"status":"tracking"') == 30
+
+
+def test_a_tag_is_printed(desk, tmp_path):
+    (command,) = commands_checked_as("tag")
+    done = desk(command)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "tag.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_without_a_camera_there_is_no_live_pose_and_it_says_so(desk):
+    """With one: docs/tutorial.md's test, on pictures, and tests/view/test_view_camera.py, on a simulated camera."""
+    (command,) = commands_checked_as("live pose")
+    if Path("/dev/video0").exists():
+        pytest.skip("this machine has a camera; it would be used")
+    done = desk(command)
+    assert done.returncode == 69
+    assert "/dev/video0" in done.stderr
+
+
+def test_a_robots_folder_is_made_and_its_coordinator_starts(desk):
+    (init,) = commands_checked_as("folder")
+    (start,) = commands_checked_as("folder, no camera")
+    done = desk(init)
+    assert done.returncode == 0, done.stderr
+    if Path("/dev/video0").exists():
+        pytest.skip("this machine has a camera; it would be used")
+    done = desk(start)
+    assert done.returncode == 69, done.stderr  # 78 would be a configuration that is not read
+    assert "camera" in done.stderr
+
+
+def test_the_doctor_misses_a_robot_that_is_not_there(desk):
+    (command,) = commands_checked_as("nobody there")
+    done = desk(f"{command} --seconds 1")
+    assert done.returncode == 1, done.stderr
+    assert "robot1 does not follow" in done.stdout
 
 
 def test_the_law_is_shown_and_explained(desk):

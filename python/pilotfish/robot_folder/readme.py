@@ -32,9 +32,9 @@ pilotfish doctor --config '{config}'
 
 ## 2. Tags, calibration, leader
 
-Print tags of the family tag36h11, measure the side of the black square, fix them flat. Calibrate the camera at the size
-you will use, and put the file in place of `calibration.yaml`. Enter ids, sizes and places of the tags into
-`leader.yaml`, or learn them from a video of the leader turning in place:
+Print tags of the family tag36h11 (`pilotfish tags`), measure the side of the black square, fix them flat. Calibrate
+the camera at the size you will use (`pilotfish calibrate camera`), and put the file in place of `calibration.yaml`.
+Enter ids, sizes and places of the tags into `leader.yaml`, or learn them from a video of the leader turning in place:
 
 ```sh
 pilotfish learn-body turn.mp4 --camera '{folder}/calibration.yaml' \\
