@@ -25,10 +25,11 @@ _SANITIZERS = [
 ]
 
 
-def built(name: str) -> Path:
-    """``tests/probes/NAME`` of the build tree that the package was imported from, else of build/release."""
-    beside = Path(core.__file__).parents[2] / "tests" / "probes" / name
-    return beside if beside.exists() else ROOT / "build" / "release" / "tests" / "probes" / name
+def built(name: str, folder: str = "probes") -> Path:
+    """``tests/FOLDER/NAME`` of the build tree that the package was imported from, else of build/release. With
+    ``scripts/test --sanitize`` that is the one with sanitizers."""
+    beside = Path(core.__file__).parents[2] / "tests" / folder / name
+    return beside if beside.exists() else ROOT / "build" / "release" / "tests" / folder / name
 
 
 def run(*command: object) -> str:

@@ -24,7 +24,7 @@ def opencvs(point_m):
     return pixels.reshape(2)
 
 
-@settings(derandomize=True, max_examples=300)
+@settings(derandomize=True, max_examples=300, deadline=None)
 @given(st.floats(0, 88), st.floats(-180, 180), st.floats(0.1, 20))
 def test_points_are_where_opencv_projects_them(off_axis_deg, around_deg, z_m):
     r, around = np.tan(np.radians(off_axis_deg)), np.radians(around_deg)
@@ -32,7 +32,7 @@ def test_points_are_where_opencv_projects_them(off_axis_deg, around_deg, z_m):
     assert fisheye().project(point) == pytest.approx(opencvs(point), abs=1e-6)
 
 
-@settings(derandomize=True, max_examples=300)
+@settings(derandomize=True, max_examples=300, deadline=None)
 @given(st.floats(0, 1279), st.floats(0, 959))
 def test_normalising_a_pixel_and_projecting_it_gives_the_pixel_back(u, v):
     """But where the picture shows what is at 90 degrees or more off the axis, or behind: there, the nearest direction

@@ -1,6 +1,7 @@
-"""Every input that a fuzzer has found worth keeping goes through its target under AddressSanitizer and UBSan.
+"""Every input that a fuzzer has found worth keeping goes through its target: it must end, and soon.
 
-tests/fuzz/<target>.cpp is built with the compiler at hand and a main that replays files.
+tests/fuzz/<target>.cpp is built with the compiler at hand and a main that replays files; with AddressSanitizer and UBSan
+by ``scripts/test --sanitize tests/fuzz``, which takes minutes to build.
 
 To make up new inputs (clang, libclang-rt-14-dev):
 
@@ -11,7 +12,7 @@ To make up new inputs (clang, libclang-rt-14-dev):
 
 import re
 
-from build_tree import ROOT, build_sanitized, run
+from build_tree import ROOT, built, run
 
 CORPUS = ROOT / "tests" / "fuzz" / "corpus"
 LONGEST_MS = 1000  # a hang, not a measurement: normally below 5 ms
@@ -23,11 +24,10 @@ def targets():
 
 
 def test_no_input_of_the_corpus_breaks_its_target_or_keeps_it_long():
-    tests = build_sanitized(*(f"fuzz_{target}" for target in targets()))
     for target in targets():
         files = list((CORPUS / target).iterdir())
         assert len(files) >= 5, f"no corpus for {target}"
-        output = run(tests / "fuzz" / f"fuzz_{target}", CORPUS / target)
+        output = run(built(f"fuzz_{target}", "fuzz"), CORPUS / target)
         answers = dict(line.split() for line in output.splitlines())
         assert int(answers["inputs"]) == len(files)
         assert float(answers["longest_ms"]) < LONGEST_MS, target
