@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+from PIL import Image
 
 from pilotfish import core, sim
 from pilotfish import data as shipped
@@ -37,3 +40,12 @@ def leader_pictures(count: int, *, hidden_from: int | None = None, start_utime: 
             image = (128 + noise).astype(np.uint8)
         frames.append(core.Frame(image, utime=start_utime + k * PERIOD_US))
     return frames
+
+
+def save_pictures(frames: list[core.Frame], folder: Path) -> None:
+    """As PNG, with the times in frames.csv, as ``--source images:`` reads them."""
+    folder.mkdir(exist_ok=True)
+    for k, frame in enumerate(frames):
+        Image.fromarray(frame.image).save(folder / f"{k}.png")
+    lines = ["file,utime_us", *(f"{k}.png,{frame.utime}" for k, frame in enumerate(frames))]
+    (folder / "frames.csv").write_text("\n".join(lines) + "\n")

@@ -147,6 +147,15 @@ std::vector<int> ids_of(const LeaderBody& leader) {
   return ids;
 }
 
+/// A recording that is not whole must not be found out later.
+void log_losses(const blackbox::BlackBox* black_box) {
+  if (black_box == nullptr) return;
+  const blackbox::Counters counters = black_box->counters();
+  if (counters.lost + counters.dropped == 0) return;
+  spdlog::warn("the recording is not whole: {} events written, {} refused by the disk, {} that came too fast for it",
+               counters.written, counters.lost, counters.dropped);
+}
+
 /// Where the pictures are not on the bus already; and a replay has no one who watches, unless it is live.
 std::unique_ptr<Preview> make_preview(const config::CoordinatorFile& file, const std::string& url, bool replay,
                                       bool live) {
@@ -261,6 +270,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   source.camera.reset();
   listener.stop();
   set_final_message(nullptr);
+  log_losses(black_box.get());
   if (supervisor.failed()) return kSoftware;
   spdlog::info("ended; zero commands sent");
   return kOk;

@@ -46,11 +46,19 @@ void Reporter::report(const StepResult& result, const StepTiming& timing) {
   const bus::StatusReport said = status(result, timing);
   parts_.reports.publish(config_.robot, said);
   log_change(result, said.detail);
+  warn_of_losses();
   if (const auto line = summary.due(monotonic_now(), said)) spdlog::info("{}", *line);
 }
 
 void Reporter::print(const StepResult& result, const StepTiming& timing) const {
   if (config_.json) parts_.log.line(json_line(result, timing));
+}
+
+/// Once; the counters in the status go on.
+void Reporter::warn_of_losses() {
+  if (parts_.black_box == nullptr || warned_of_losses_ || parts_.black_box->counters().lost == 0) return;
+  warned_of_losses_ = true;
+  spdlog::warn("the recording loses events, the disk refuses them: {}", parts_.black_box->trouble());
 }
 
 /// What a reason's text leaves open: which ids, which sizes.

@@ -28,12 +28,14 @@ class Reporter {
  private:
   bus::StatusReport status(const StepResult& result, const StepTiming& timing) const;
   std::string detail(Reason reason) const;
+  void warn_of_losses();
   void log_change(const StepResult& result, const std::string& detail);
 
   const LoopConfig& config_;
   const LoopParts& parts_;
   const Coordinator& coordinator_;
   std::optional<std::pair<Status, Reason>> logged_;
+  bool warned_of_losses_ = false;
 };
 
 }  // namespace pilotfish::apps

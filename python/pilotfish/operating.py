@@ -44,8 +44,12 @@ def new_key(path: Path) -> None:
         raise ConfigError(
             f"{path} is there already: a key that is in use must not be lost; remove it, if you mean it"
         ) from error
-    with os.fdopen(descriptor, "w") as file:
-        file.write(secrets.token_hex(32) + "\n")
+    try:
+        with os.fdopen(descriptor, "w") as file:
+            file.write(secrets.token_hex(32) + "\n")
+    except OSError:  # a full disk: half a key is none
+        path.unlink(missing_ok=True)
+        raise
 
 
 class Operator:

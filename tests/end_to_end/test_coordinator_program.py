@@ -13,7 +13,6 @@ import lcm
 import numpy as np
 import pytest
 from onboard import LINE_CONFIG, Onboard, same_in_process
-from PIL import Image
 
 from pilotfish import core
 from pilotfish import data as shipped
@@ -23,20 +22,12 @@ from pilotfish.harness.frame_report import parse_reports
 from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
 from pilotfish.lcmtypes.pilotfish.status_t import status_t
-from scenes import leader_pictures
+from scenes import leader_pictures, save_pictures
 
 
 def run(*arguments, timeout_s=60):
     command = [str(find_executable(COORDINATOR)), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout_s)
-
-
-def save_pictures(frames, folder):
-    folder.mkdir(exist_ok=True)
-    for k, frame in enumerate(frames):
-        Image.fromarray(frame.image).save(folder / f"{k}.png")
-    lines = ["file,utime_us", *(f"{k}.png,{frame.utime}" for k, frame in enumerate(frames))]
-    (folder / "frames.csv").write_text("\n".join(lines) + "\n")
 
 
 def test_images_from_a_folder_give_what_the_heart_gives(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from onboard import LINE_CONFIG
 from PIL import Image
 from real_time_robot import Robot
-from test_coordinator_program import run, save_pictures
+from test_coordinator_program import run
 
 from camera_robot import CameraRobot, leader_camera
 from pilotfish import core
@@ -21,7 +21,7 @@ from pilotfish.harness.executables import BASE, find_executable
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.lcmtypes.bot_core.image_t import image_t
 from pilotfish.lcmtypes.pilotfish.status_t import status_t
-from scenes import leader_pictures
+from scenes import leader_pictures, save_pictures
 
 SUMMARY = re.compile(
     r"(?:tracking|coasting)[^:]*: leader measured in (\d+) of (\d+) frames, ([\d.]+) Hz; "

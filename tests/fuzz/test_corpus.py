@@ -1,7 +1,7 @@
 """Every input that a fuzzer has found worth keeping goes through its target: it must end, and soon.
 
-tests/fuzz/<target>.cpp is built with the compiler at hand and a main that replays files; with AddressSanitizer and UBSan
-by ``scripts/test --sanitize tests/fuzz``, which takes minutes to build.
+tests/fuzz/<target>.cpp is built with the compiler at hand and a main that replays files; with AddressSanitizer and
+UBSan by ``scripts/test --sanitize tests/fuzz``, which takes minutes to build.
 
 To make up new inputs (clang, libclang-rt-14-dev):
 

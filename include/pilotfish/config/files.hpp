@@ -64,8 +64,7 @@ struct BlackBoxConfig {
                                     "raw pictures are kept as they are, not as JPEG, so that a replay can repeat the "
                                     "vision: 9 MB/s at 640 x 480, 30 Hz");
   PILOTFISH_PARAMETER(double, max_age_h, 0.0, 0.0, 1e6,
-                      "files whose newest event is older are deleted, by the computer's clock; 0: only their size "
-                      "counts");
+                      "files last written longer ago are deleted, by the computer's clock; 0: only their size counts");
 };
 
 /// Small pictures for people on NAME_PREVIEW, where the camera's own are not on the bus.

@@ -21,6 +21,7 @@ import yaml
 
 from pilotfish.errors import ConfigError
 from pilotfish.files import read_text
+from pilotfish.whole_files import write_whole
 
 KINDS = ("charuco", "chessboard")
 DICTIONARIES = {f"DICT_{n}X{n}_{size}": (n, size) for n in (4, 5, 6, 7) for size in (50, 100, 250, 1000)}
@@ -113,7 +114,7 @@ def read_board(path: str | Path) -> Board:
 def write_board(board: Board, path: str | Path) -> None:
     """Writes what read_board reads. OSError if it cannot be written."""
     Path(path).parent.mkdir(parents=True, exist_ok=True)
-    Path(path).write_text(board_text(board))
+    write_whole(path, board_text(board))
 
 
 def board_text(board: Board) -> str:

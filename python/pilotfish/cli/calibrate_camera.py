@@ -11,6 +11,7 @@ import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress, warn
 from pilotfish.cli.options import between, writable_folder
+from pilotfish.whole_files import check_not_among
 
 if TYPE_CHECKING:
     from pilotfish.calibration.camera import BoardDetector, Found
@@ -102,6 +103,7 @@ def camera(
     with friendly_errors():
         if out:
             check_writable(out)
+            check_not_among(out, [Path(source), Path(board)])
         the_board = calibration.board_of(board)
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)

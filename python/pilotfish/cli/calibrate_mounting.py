@@ -14,6 +14,7 @@ import typer
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress
 from pilotfish.cli.learn_body import of_tag, tag_sizes
 from pilotfish.cli.options import between
+from pilotfish.whole_files import check_not_among, write_whole
 
 if TYPE_CHECKING:
     from pilotfish.calibration.mounting import Phases
@@ -120,6 +121,7 @@ def mounting(
     with friendly_errors():
         if out:
             check_writable(out)
+            check_not_among(out, [Path(source), camera, *([Path(straight)] if straight else [])])
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before anything is opened
@@ -152,7 +154,7 @@ def mounting(
         console.print(lines, markup=False, highlight=False, soft_wrap=True, end="")
         if out:
             out.parent.mkdir(parents=True, exist_ok=True)
-            out.write_text(lines)
+            write_whole(out, lines)
             console.print(f"wrote {out}", soft_wrap=True)
 
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import OnProgress, byte_progress, check_writable, console, friendly_errors
+from pilotfish.whole_files import check_not_among
 
 
 class ExportFormat(str, Enum):
@@ -66,8 +67,7 @@ def export(
     with friendly_errors():
         kind = _kind(to, out)
         check_writable(out)
-        if out.exists() and any(out.samefile(file) for file in _files_of(log)):
-            raise typer.BadParameter(f"--out {out} is the recording itself")
+        check_not_among(out, _files_of(log))
         with byte_progress("exporting") as step:
             if kind is ExportFormat.mp4:
                 count = _export_mp4(log, out, robot, overlay, step)

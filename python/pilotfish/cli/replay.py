@@ -91,10 +91,19 @@ def _table(report: ReplayReport, from_pixels: bool) -> Table:
     return table
 
 
+def _agreement(report: ReplayReport) -> str:
+    if not report.commands:
+        return "nothing to compare: no start, or no frame behind one"
+    if not report.skipped:
+        return "every bit agrees"
+    gaps = f"{report.gaps} gap{'s' if report.gaps > 1 else ''}"
+    return f"every bit agrees of what was compared; {report.skipped} calls behind {gaps} were not"
+
+
 def _show_first(report: ReplayReport) -> None:
     first = report.first_difference
     if first is None:
-        console.print("every bit agrees" if report.commands else "nothing to compare: no start, or no frame behind one")
+        console.print(_agreement(report))
         return
     console.print(f"first difference: {first.what}", markup=False)
     console.print(f"  where       {first.event.file}, byte {first.event.offset}", soft_wrap=True, markup=False)

@@ -38,11 +38,12 @@ def report(
       pilotfish report /var/lib/pilotfish --robot robot2 --out robot2.html
     """
     from pilotfish.logs import read_run
-    from pilotfish.logs.export.output import written_whole
     from pilotfish.logs.report import report_html
+    from pilotfish.whole_files import check_not_among, written_whole
 
     with friendly_errors():
         check_writable(out)
+        check_not_among(out, (file for path in runs for file in ([path] if path.is_file() else path.iterdir())))
         recordings = []
         for path in runs:
             with byte_progress(f"reading {path.name or path}") as step:

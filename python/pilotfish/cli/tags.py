@@ -12,6 +12,7 @@ import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress
 from pilotfish.cli.options import between
+from pilotfish.whole_files import check_same
 
 if TYPE_CHECKING:
     from pilotfish.calibration.board import Board
@@ -126,6 +127,9 @@ def tags(
         str | None,
         typer.Option(help="OpenCV's, of the markers.", show_default="DICT_4X4_100", rich_help_panel=BOARD),
     ] = None,
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Also a YAML file that is there already and says something else.")
+    ] = False,
 ) -> None:
     """Print tags, the folding sheet of a leader, or a calibration board: a PDF at true scale.
 
@@ -159,6 +163,7 @@ def tags(
       pilotfish tags --board charuco --out board.pdf     # and board.yaml
       pilotfish tags --board chessboard --columns 10 --rows 7 --square 25mm
     """
+    from pilotfish.calibration.body.leader_file import leader_text
     from pilotfish.extras import require
     from pilotfish.printing import parse_paper
 
@@ -169,7 +174,7 @@ def tags(
         require("reportlab", "tags")  # said at once
         if board is not None:
             wanted = _board(board.value, columns, rows, square, marker, dictionary)
-            _print_board(wanted, sheet, out or Path("board.pdf"))
+            _print_board(wanted, sheet, out or Path("board.pdf"), replace)
         elif body is not None:
             _print_body(_load_body(body), sheet, border_cells, fold, out or Path(f"{body.stem}.pdf"))
         elif faces is not None or leader is not None:
@@ -186,6 +191,8 @@ def tags(
             pdf = out or Path(f"{leader.stem}.pdf" if leader else "tags.pdf")
             if leader is not None:
                 check_writable(leader)
+                if not replace:
+                    check_same(leader, leader_text(designed, _leader_remarks(pdf)), "--replace")
             _print_body(designed, sheet, border_cells, fold, pdf)
             if leader is not None:
                 _write_leader(leader, designed, pdf)
@@ -318,28 +325,33 @@ def _print_body(body: LeaderBody, paper: Paper, border_cells: float, fold: bool,
     _write(pages, out, f"{body.name}: {len(body.tags)} tag{'s' if len(body.tags) > 1 else ''}")
 
 
-def _print_board(board: Board, paper: Paper, out: Path) -> None:
-    from pilotfish.calibration.board import write_board
+def _print_board(board: Board, paper: Paper, out: Path, replace: bool) -> None:
+    from pilotfish.calibration.board import board_text, write_board
     from pilotfish.printing import board_pages
     from pilotfish.printing.board_sheet import board_title
 
     description = out.with_suffix(".yaml")
     pages = board_pages(board, paper)
     check_writable(description)
+    if not replace:
+        check_same(description, board_text(board), "--replace")
     _write(pages, out, board_title(board))
     write_board(board, description)
     console.print(f"wrote {description}, for `pilotfish calibrate`", soft_wrap=True)
 
 
-def _write_leader(leader: Path, body: LeaderBody, pdf: Path) -> None:
-    from pilotfish.calibration.body import write_leader_body
-
-    remarks = [
+def _leader_remarks(pdf: Path) -> list[str]:
+    return [
         f"Made by `pilotfish tags` with {pdf.name}. It holds if that was printed at 100 %, folded by these angles, and",
         "sits there. All lengths in the leader's base frame: x forward, y left, z up from the ground between the",
         "wheels.",
     ]
-    write_leader_body(leader, body, remarks)
+
+
+def _write_leader(leader: Path, body: LeaderBody, pdf: Path) -> None:
+    from pilotfish.calibration.body import write_leader_body
+
+    write_leader_body(leader, body, _leader_remarks(pdf))
     console.print(f"wrote {leader}; look at it: pilotfish leader show {leader}", soft_wrap=True)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from pilotfish.extras import require
 from pilotfish.printing.page import Line, Page, Shape, Text
 from pilotfish.printing.text import FONT, printable_text
+from pilotfish.whole_files import written_whole
 
 POINT_M = 0.0254 / 72
 
@@ -20,8 +21,12 @@ def write_pdf(
 
     title: of the document; on_page: called with the number of pages done and of all.
     """
+    with written_whole(Path(file)) as partial:
+        _write_pdf(pages, partial, title, on_page)
+
+
+def _write_pdf(pages: Sequence[Page], file: Path, title: str, on_page: Callable[[int, int], None] | None) -> None:
     canvas_module = require("reportlab.pdfgen.canvas", "tags")
-    Path(file).parent.mkdir(parents=True, exist_ok=True)
     canvas = canvas_module.Canvas(str(file), invariant=1, pageCompression=1)
     canvas.setTitle(title)
     canvas.setCreator("pilotfish tags")

@@ -11,6 +11,7 @@ import yaml
 
 from pilotfish.coordinator import load_leader_body
 from pilotfish.core import BodyTag, LeaderBody
+from pilotfish.whole_files import write_whole
 
 # Nothing is known better than this.
 METRES_DIGITS, DEGREES_DIGITS = 5, 3
@@ -41,15 +42,19 @@ def write_leader_body(file: Path, body: LeaderBody, remarks: Sequence[str] = ())
 
     OSError if it cannot be written.
     """
+    write_whole(file, leader_text(body, remarks))
+    return load_leader_body(file) if file.is_file() else body  # /dev/stdout cannot be read back
+
+
+def leader_text(body: LeaderBody, remarks: Sequence[str] = ()) -> str:
+    """The file's text."""
     text = "".join(f"# {line}\n" for line in remarks)
     text += yaml.safe_dump({"name": body.name, "family": body.family}, sort_keys=False)
     text += "tags:\n"
     for tag in body.tags:
         first, *others = yaml.safe_dump(_plain(tag), sort_keys=False, default_flow_style=None).splitlines()
         text += "".join([f"  - {first}\n", *(f"    {line}\n" for line in others)])
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text)
-    return load_leader_body(file) if file.is_file() else body  # /dev/stdout cannot be read back
+    return text
 
 
 def _plain(tag: BodyTag) -> dict[str, object]:

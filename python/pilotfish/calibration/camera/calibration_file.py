@@ -12,6 +12,7 @@ from pilotfish.calibration.camera.lens import Lens
 from pilotfish.coordinator import load_calibration
 from pilotfish.core import CameraModel
 from pilotfish.errors import ConfigError
+from pilotfish.whole_files import write_whole
 
 # As ROS's camera_info calls them; a file without the key is a plumb_bob's.
 DISTORTION_MODEL = {"pinhole": "plumb_bob", "fisheye": "equidistant"}
@@ -66,6 +67,5 @@ def check_readable(lens: Lens) -> CameraModel:
 def write_calibration(file: Path, lens: Lens, remarks: Sequence[str] = ()) -> CameraModel:
     """Writes the file, after check_readable; what the reader makes of it. OSError if it cannot be written."""
     model = check_readable(lens)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(calibration_text(lens, remarks))
+    write_whole(file, calibration_text(lens, remarks))
     return model

@@ -6,10 +6,10 @@ import csv
 from pathlib import Path
 from typing import Any
 
-from pilotfish.logs.export.output import written_whole
 from pilotfish.logs.export.table_rows import cell, columns_of, table_rows
 from pilotfish.logs.notes import RunNotes
 from pilotfish.logs.sources import OnProgress
+from pilotfish.whole_files import written_whole
 
 
 def export_csv(

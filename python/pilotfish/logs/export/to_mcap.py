@@ -12,13 +12,13 @@ from pilotfish.black_box.log import Event
 from pilotfish.extras import require
 from pilotfish.logs.columns import FRAMES, Column
 from pilotfish.logs.export import foxglove, lcm_json
-from pilotfish.logs.export.output import written_whole
 from pilotfish.logs.export.table_rows import cell
 from pilotfish.logs.images import image_of
 from pilotfish.logs.messages import TYPES, Message
 from pilotfish.logs.notes import RunNotes
 from pilotfish.logs.rows import Row, everything_in
 from pilotfish.logs.sources import OnProgress
+from pilotfish.whole_files import written_whole
 
 _JSON_TYPES = {"float": "number", "int": "integer", "bool": "boolean", "word": "string", "text": "string"}
 _SKIPPED = {"BOX"}  # its texts become attachments; what the core remembers is of use to a replay only

@@ -14,12 +14,12 @@ from pilotfish.errors import MissingPackageError, RecordingError
 from pilotfish.extras import require
 from pilotfish.logs.clock import RunClock
 from pilotfish.logs.columns import CORNERS, NONE
-from pilotfish.logs.export.output import written_whole
 from pilotfish.logs.export.overlay import Seen, with_overlay
 from pilotfish.logs.images import RecordedImage, images_in
 from pilotfish.logs.reader import read_run
 from pilotfish.logs.run import RobotRun, Run
 from pilotfish.logs.sources import OnProgress
+from pilotfish.whole_files import written_whole
 
 TIME_BASE = Fraction(1, 1_000_000)  # microseconds, as the stamps
 _QUALITY = {"crf": "20", "preset": "veryfast", "bf": "0"}

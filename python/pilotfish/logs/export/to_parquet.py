@@ -9,10 +9,10 @@ from typing import Any
 
 from pilotfish.extras import require
 from pilotfish.logs.columns import Column
-from pilotfish.logs.export.output import written_whole
 from pilotfish.logs.export.table_rows import cell, columns_of, table_rows
 from pilotfish.logs.notes import RunNotes
 from pilotfish.logs.sources import OnProgress
+from pilotfish.whole_files import written_whole
 
 ROWS_PER_GROUP = 20_000
 
