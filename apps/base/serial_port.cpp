@@ -40,7 +40,8 @@ std::string why_not_opened(const std::string& device, int problem) {
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator("/dev/serial/by-id", none))
     there += (there.empty() ? "" : ", ") + entry.path().string();
-  return text + (there.empty() ? "; no serial line is plugged in (/dev/serial/by-id lists them)" : "; there is: " + there);
+  return text +
+         (there.empty() ? "; no serial line is plugged in (/dev/serial/by-id lists them)" : "; there is: " + there);
 }
 
 void set_up(int descriptor, const std::string& device, speed_t speed) {

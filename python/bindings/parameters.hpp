@@ -60,8 +60,8 @@ inline std::string attribute_names(const py::object& self) {
 inline void set_attributes(const py::object& self, const py::kwargs& values, const std::string& name) {
   for (auto [key, value] : values) {
     if (!py::hasattr(self, key))
-      throw py::type_error(name + " has no parameter '" + py::str(key).cast<std::string>() + "'; it has: " +
-                           attribute_names(self));
+      throw py::type_error(name + " has no parameter '" + py::str(key).cast<std::string>() +
+                           "'; it has: " + attribute_names(self));
     py::setattr(self, key, py::reinterpret_borrow<py::object>(value));
   }
 }
