@@ -6,10 +6,12 @@ import json
 import re
 import resource
 import socket
+import subprocess
 import sys
 import time
 from contextlib import ExitStack, contextmanager
 
+import lcm
 import pytest
 import websockets.sync.client as websocket
 from view_server import serving
@@ -111,3 +113,64 @@ def test_a_stop_goes_through_while_more_connections_wait_than_there_are_descript
         assert len(waiting) == 0
         assert stop_through(page, token)["confirmed"]  # an open page is none of them
         assert len(server.child.stderr()) < 20_000
+
+
+def test_the_page_stops_through_its_open_connection_when_a_new_one_is_not_to_be_had(tmp_path, url, browser):
+    with (
+        ScriptedCoordinator(url) as robot,
+        serving(tmp_path, "robot1", "--lcm-url", url) as server,
+    ):
+        page = browser.open(server.address)
+        page.route("**/api/robots/*/stop", lambda route: None)  # never answered
+        page.click("#stop")
+        page.wait_for_selector("#outcome[data-state=confirmed]")
+        assert not robot.setpoint.run
+
+
+def test_a_stop_through_a_page_needs_its_token(shared):
+    with ScriptedCoordinator(shared.url, "tokened") as robot:
+        address = f"ws://{shared.host}/ws?robot=tokened"
+        shared.get("/?robot=tokened")
+        deadline = time.monotonic() + STOPPED_WITHIN_S
+        while "tokened" not in shared.get("/api/robots")[1]:
+            assert time.monotonic() < deadline, "the robot is not discovered"
+        with websocket.connect(address, origin=f"http://{shared.host}") as page:
+            for wrong in ("", "x" * 32, shared.token()[:-1], "\ud800", None, 1, ["x"]):
+                page.send(json.dumps({"stop": wrong}))
+            for wrong in ("{", "{}", '{"stop":'):
+                page.send(wrong)
+            deadline = time.monotonic() + 1.0  # a stop that was accepted is confirmed within 0.1 s
+            while (left_s := deadline - time.monotonic()) > 0:
+                message = page.recv(timeout=left_s + STOPPED_WITHIN_S)
+                if isinstance(message, str):
+                    assert json.loads(message)["kind"] != "outcome"
+                    page.send(json.loads(message)["kind"])
+            assert robot.setpoint.run
+            assert stop_through(page, shared.token())["confirmed"]
+            assert not robot.setpoint.run
+
+
+def test_a_server_with_too_few_descriptors_says_how_many_it_needs(tmp_path, url):
+    few = [*FEW_DESCRIPTORS[:2], FEW_DESCRIPTORS[2].replace(str(DESCRIPTORS), "40")]
+    command = [*few, sys.executable, "-m", "pilotfish", "view", "robot1", "--lcm-url", url, "--port", "0"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert ended.returncode == 69
+    assert re.search(r"only 40 open files are allowed here; ulimit -n \d+ or more", ended.stderr)
+    assert "Traceback" not in ended.stderr
+
+
+def test_what_is_being_answered_does_not_make_the_end_loud(tmp_path, url):
+    """A stop of a robot that is silent is sent for 3 s; SIGTERM comes before."""
+    with serving(tmp_path, "robot1", "--lcm-url", url) as server:
+        token, asked = server.token(), connected(server)
+        asked.sendall(
+            f"POST /api/robots/robot1/stop HTTP/1.1\r\nHost: {server.host}\r\nOrigin: http://{server.host}\r\n"
+            f"X-Pilotfish-Token: {token}\r\nContent-Length: 2\r\n\r\n{{}}".encode()
+        )
+        bus = lcm.LCM(url)
+        heard = []
+        bus.subscribe("ROBOT1_SETPOINT", lambda channel, _: heard.append(channel))
+        assert bus.handle_timeout(5000) > 0  # it is under way
+        assert server.child.terminate() == 0
+        assert server.child.stderr() == ""
+        asked.close()

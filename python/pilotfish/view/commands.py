@@ -44,7 +44,7 @@ class Commander:
         self._others = ThreadPoolExecutor(_OTHERS, thread_name_prefix="operate")
         self._under_way: dict[str, Operator] = {}
         self._busy: set[str] = set()
-        self._spare: Bus | None = Bus(lcm_url)  # its descriptors are a stop's, should there be no others
+        self._spare = self._spare_buses()  # their descriptors are a stop's, should there be no others
 
     def close(self) -> None:
         """Waits for nothing: stops that are being sent are sent to their end, the rest is cancelled."""
@@ -97,17 +97,21 @@ class Commander:
             return Outcome("stop", False, str(error), 0)
         outcome = _outcome("stop", operator, lambda: operator.stop(self._within_s))
         del operator
-        if self._spare is None:
+        if not self._spare:
             with contextlib.suppress(BusError):
-                self._spare = Bus(self._url)
+                self._spare = self._spare_buses()
         return outcome
 
     def _stopper(self, robot: str) -> Operator:
         try:
             return Operator(robot, lcm_url=self._url)  # needs no key
         except PilotfishError:
-            self._spare = None
+            self._spare = []
             return Operator(robot, lcm_url=self._url)
+
+    def _spare_buses(self) -> list[Bus]:
+        """Two: a bus that is being opened needs more descriptors than one that is open and receives nothing."""
+        return [Bus(self._url) for _ in range(2)]
 
 
 def _outcome(action: str, operator: Operator, request: Any) -> Outcome:

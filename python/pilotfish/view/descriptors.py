@@ -11,7 +11,7 @@ from pilotfish.view.commands import MOST_REQUESTS
 
 MOST_CONNECTIONS = 128  # 24 pages, and what their browsers open beside the WebSocket
 _FEWEST_CONNECTIONS = 16
-_OF_A_REQUEST = 4  # descriptors of an LCM connection, measured
+_OF_A_REQUEST = 6  # descriptors of an LCM connection: 4, and 2 more while it is opened (measured)
 _BESIDES = 32  # the bus, the event loop, static files, a camera; connections that are accepted to be closed
 
 
