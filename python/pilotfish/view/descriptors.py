@@ -30,5 +30,7 @@ def limits() -> Limits:
     total = MOST_CONNECTIONS if allowed == resource.RLIM_INFINITY else min(MOST_CONNECTIONS, allowed - reserve)
     if total < _FEWEST_CONNECTIONS:
         needed = reserve + _FEWEST_CONNECTIONS
-        raise SilentRobotError(f"only {allowed} open files are allowed here; ulimit -n {needed} or more, and start again")
+        raise SilentRobotError(
+            f"only {allowed} open files are allowed here; ulimit -n {needed} or more, and start again"
+        )
     return Limits(total, total // 2)

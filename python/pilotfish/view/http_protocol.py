@@ -78,6 +78,4 @@ class DeadlineProtocol(H11Protocol):
 
 def make_protocol(server: Any) -> DeadlineProtocol:
     """For a running uvicorn.Server, as its own servers make theirs."""
-    return DeadlineProtocol(
-        config=server.config, server_state=server.server_state, app_state=server.lifespan.state
-    )
+    return DeadlineProtocol(config=server.config, server_state=server.server_state, app_state=server.lifespan.state)

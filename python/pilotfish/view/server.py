@@ -132,7 +132,6 @@ class Pages:
                 if isinstance(result, Exception) and not _is_gone(result):
                     raise result
 
-
     async def _receive(self, websocket: Any, watcher: Watcher, robot: str) -> None:
         """What a page says: acknowledgements, and STOP, for which it then needs no new connection."""
         stopping: asyncio.Task[None] | None = None
