@@ -7,6 +7,8 @@ import os
 import resource
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -101,18 +103,18 @@ def test_numbers_that_are_none_are_not_sent(url, values):
 
 
 def descriptors():
-    return len(os.listdir("/proc/self/fd"))
+    return [int(entry.name) for entry in Path("/proc/self/fd").iterdir()]
 
 
 def test_a_request_leaves_no_descriptor_behind(url):
     commander = Commander(url)
     with ScriptedCoordinator(url):
         play(commander, ("stop", {}))  # opens what is opened once
-        before = descriptors()
+        before = len(descriptors())
         for _ in range(5):
             assert play(commander, ("stop", {})).confirmed
             assert play(commander, ("resume", {})).confirmed
-        assert descriptors() == before
+        assert len(descriptors()) == before
     commander.close()
 
 
@@ -121,10 +123,10 @@ def test_a_stop_is_sent_where_no_file_can_be_opened_any_more(url):
     allowed = resource.getrlimit(resource.RLIMIT_NOFILE)
 
     async def stop_without_descriptors():
-        resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/proc/self/fd"))) + 1, allowed[1]))
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(descriptors()) + 1, allowed[1]))
         taken = []
         try:
-            with pytest.raises(OSError, match="Too many open files"):
+            with suppress(OSError):  # EMFILE
                 while True:
                     taken.append(os.open(os.devnull, os.O_RDONLY))
             return [await commander.do("robot1", "stop", {}) for _ in range(2)]

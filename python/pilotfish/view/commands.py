@@ -91,16 +91,18 @@ class Commander:
             self._under_way.pop(robot, None)
 
     def _stop(self, robot: str) -> Outcome:
-        try:
-            operator = self._stopper(robot)
-        except PilotfishError as error:
-            return Outcome("stop", False, str(error), 0)
-        outcome = _outcome("stop", operator, lambda: operator.stop(self._within_s))
-        del operator
+        outcome = self._sent_stop(robot)
         if not self._spare:
             with contextlib.suppress(BusError):
                 self._spare = self._spare_buses()
         return outcome
+
+    def _sent_stop(self, robot: str) -> Outcome:
+        try:
+            operator = self._stopper(robot)
+        except PilotfishError as error:
+            return Outcome("stop", False, str(error), 0)
+        return _outcome("stop", operator, lambda: operator.stop(self._within_s))
 
     def _stopper(self, robot: str) -> Operator:
         try:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import resource
 from dataclasses import dataclass
+from pathlib import Path
 
 from pilotfish.errors import SilentRobotError
 from pilotfish.view.commands import MOST_REQUESTS
@@ -26,11 +26,9 @@ class Limits:
 def limits() -> Limits:
     """For what is open now. SilentRobotError if ``ulimit -n`` leaves room for no page beside STOP."""
     allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    reserve = len(os.listdir("/proc/self/fd")) + _OF_A_REQUEST * MOST_REQUESTS + _BESIDES
+    reserve = sum(1 for _ in Path("/proc/self/fd").iterdir()) + _OF_A_REQUEST * MOST_REQUESTS + _BESIDES
     total = MOST_CONNECTIONS if allowed == resource.RLIM_INFINITY else min(MOST_CONNECTIONS, allowed - reserve)
     if total < _FEWEST_CONNECTIONS:
         needed = reserve + _FEWEST_CONNECTIONS
-        raise SilentRobotError(
-            f"only {allowed} open files are allowed here; ulimit -n {needed} or more, and start again"
-        )
+        raise SilentRobotError(f"only {allowed} open files are allowed here: ulimit -n {needed}, or more")
     return Limits(total, total // 2)
