@@ -12,8 +12,10 @@ import os
 import secrets
 import threading
 import time
+import weakref
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 from pilotfish.bus import BaseReport, Bus, BusError, Key, SetpointReport, StatusReport, load_key
 from pilotfish.core import Setpoint
@@ -63,8 +65,8 @@ class Operator:
             if key_file is not None:
                 key = load_key(str(key_file))
             self._bus = Bus(lcm_url)
-            self._bus.on_status(robot, self._on_status)
-            self._bus.on_base(robot, self._on_base)
+            self._bus.on_status(robot, _weakly(self._on_status))
+            self._bus.on_base(robot, _weakly(self._on_base))
         except BusError as error:
             raise SilentRobotError(str(error)) from error
         except ValueError as error:
@@ -229,6 +231,17 @@ def describe(status: StatusReport) -> str:
     why = f": {status.reason.text}" if status.reason.text else ""
     kept = f"{status.setpoint.distance_m:.2f} m at {math.degrees(status.setpoint.bearing_rad):.1f} deg"
     return f"{status.status.name}{why}, {'keeps' if status.setpoint.run else 'would keep'} {kept}"
+
+
+def _weakly(method: Callable[[Any], None]) -> Callable[[Any], None]:
+    """The bus keeps its handlers; if one kept the operator, neither would ever go, nor the bus's descriptors."""
+    reference = weakref.WeakMethod(method)
+
+    def handle(report: Any) -> None:
+        if (alive := reference()) is not None:
+            alive(report)
+
+    return handle
 
 
 def _values(setpoint: Setpoint) -> Iterable[float]:

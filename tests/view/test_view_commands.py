@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import resource
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -96,3 +100,44 @@ def test_where_no_robot_is_the_outcome_says_so(url):
 def test_numbers_that_are_none_are_not_sent(url, values):
     outcome = play(Commander(url), ("setpoint", values))
     assert (outcome.confirmed, outcome.sent) == (False, 0)
+
+
+def descriptors():
+    return [int(entry.name) for entry in Path("/proc/self/fd").iterdir()]
+
+
+def test_a_request_leaves_no_descriptor_behind(url):
+    commander = Commander(url)
+    with ScriptedCoordinator(url):
+        play(commander, ("stop", {}))  # opens what is opened once
+        before = len(descriptors())
+        for _ in range(5):
+            assert play(commander, ("stop", {})).confirmed
+            assert play(commander, ("resume", {})).confirmed
+        assert len(descriptors()) == before
+    commander.close()
+
+
+def test_a_stop_is_sent_where_no_file_can_be_opened_any_more(url):
+    commander = Commander(url)
+    allowed = resource.getrlimit(resource.RLIMIT_NOFILE)
+
+    async def stop_without_descriptors():
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(descriptors()) + 1, allowed[1]))
+        taken = []
+        try:
+            with suppress(OSError):  # EMFILE
+                while True:
+                    taken.append(os.open(os.devnull, os.O_RDONLY))
+            return [await commander.do("robot1", "stop", {}) for _ in range(2)]
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, allowed)
+            for descriptor in taken:
+                os.close(descriptor)
+
+    with ScriptedCoordinator(url) as robot:
+        with ThreadPoolExecutor(1) as executor:
+            outcomes = executor.submit(lambda: asyncio.run(stop_without_descriptors())).result()
+        assert [outcome.confirmed for outcome in outcomes] == [True, True]  # the second one needs them as well
+        assert not robot.setpoint.run
+    commander.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -10,10 +11,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from pilotfish.bus import Bus, BusError
 from pilotfish.errors import PilotfishError
 from pilotfish.operating import WITHIN_S, Operator, describe
 
 ACTIONS = ("stop", "resume", "setpoint")
+_STOPS, _OTHERS = 8, 4  # at once; each has a connection to the bus
+MOST_REQUESTS = _STOPS + _OTHERS
 
 
 @dataclass(frozen=True)
@@ -36,10 +40,11 @@ class Commander:
 
     def __init__(self, lcm_url: str, key_file: Path | None = None, within_s: float = WITHIN_S) -> None:
         self._url, self._key_file, self._within_s = lcm_url, key_file, within_s
-        self._stops = ThreadPoolExecutor(8, thread_name_prefix="stop")
-        self._others = ThreadPoolExecutor(4, thread_name_prefix="operate")
+        self._stops = ThreadPoolExecutor(_STOPS, thread_name_prefix="stop")
+        self._others = ThreadPoolExecutor(_OTHERS, thread_name_prefix="operate")
         self._under_way: dict[str, Operator] = {}
         self._busy: set[str] = set()
+        self._spare = self._spare_buses()  # their descriptors are a stop's, should there be no others
 
     def close(self) -> None:
         """Waits for nothing: stops that are being sent are sent to their end, the rest is cancelled."""
@@ -86,11 +91,29 @@ class Commander:
             self._under_way.pop(robot, None)
 
     def _stop(self, robot: str) -> Outcome:
+        outcome = self._sent_stop(robot)
+        if not self._spare:
+            with contextlib.suppress(BusError):
+                self._spare = self._spare_buses()
+        return outcome
+
+    def _sent_stop(self, robot: str) -> Outcome:
         try:
-            operator = Operator(robot, lcm_url=self._url)  # needs no key
+            operator = self._stopper(robot)
         except PilotfishError as error:
             return Outcome("stop", False, str(error), 0)
         return _outcome("stop", operator, lambda: operator.stop(self._within_s))
+
+    def _stopper(self, robot: str) -> Operator:
+        try:
+            return Operator(robot, lcm_url=self._url)  # needs no key
+        except PilotfishError:
+            self._spare = []
+            return Operator(robot, lcm_url=self._url)
+
+    def _spare_buses(self) -> list[Bus]:
+        """Two: a bus that is being opened needs more descriptors than one that is open and receives nothing."""
+        return [Bus(self._url) for _ in range(2)]
 
 
 def _outcome(action: str, operator: Operator, request: Any) -> Outcome:

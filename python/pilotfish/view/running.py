@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import logging
 import signal
 import socket
 from collections.abc import Callable
@@ -12,7 +13,10 @@ from typing import Any
 
 from pilotfish.errors import SilentRobotError
 from pilotfish.extras import require
+from pilotfish.view.descriptors import limits
+from pilotfish.view.gate import Gate
 
+_BACKLOG = 128
 _GRACE_S = 1
 _MAX_MESSAGE_BYTES = 1024  # from a page: acknowledgements
 
@@ -25,7 +29,7 @@ def open_socket(host: str, port: int) -> socket.socket:
             listening = on_error.enter_context(socket.socket(family, socket.SOCK_STREAM))
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             listening.bind(address)
-            listening.listen(64)
+            listening.listen(_BACKLOG)
             on_error.pop_all()
     except socket.gaierror as error:
         raise SilentRobotError(f"--host {host}: {error.strerror}; use an address of this host") from error
@@ -43,8 +47,12 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
     """Returns after SIGINT or SIGTERM; ``on_ready`` is called once pages can be opened."""
     uvicorn = require("uvicorn", "view")
     require("websockets", "view")
+    from pilotfish.view.http_protocol import make_protocol
+
+    allowed = limits()
     config = uvicorn.Config(
         app,
+        http="h11",  # whose deadlines and connections are guarded
         ws="websockets-sansio",
         ws_max_size=_MAX_MESSAGE_BYTES,
         ws_ping_interval=20.0,  # a phone that has left the network does not count as watching for long
@@ -59,8 +67,11 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
 
     class Server(uvicorn.Server):  # type: ignore[name-defined, misc]
         async def startup(self, sockets: Any = None) -> None:
-            await super().startup(sockets)
+            await super().startup([])  # with no server of asyncio's
             if self.started:
+                gate = Gate(listening, allowed, lambda: make_protocol(self))
+                gate.open()
+                self.servers.append(gate)
                 on_ready()
 
     async def run() -> None:
@@ -73,8 +84,15 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
 
         for number in (signal.SIGINT, signal.SIGTERM):
             loop.add_signal_handler(number, end)
+        logging.getLogger("uvicorn.error").addFilter(_is_no_cancellation)
         await server._serve(
             [listening]
         )  # without uvicorn's own handling of signals, which raises them again at the end
 
     asyncio.run(run())
+
+
+def _is_no_cancellation(record: logging.LogRecord) -> bool:
+    """At the end what is still being answered is cancelled, which is no error; uvicorn logs it as one."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not isinstance(error, asyncio.CancelledError) and not record.getMessage().startswith("Cancel ")

@@ -63,6 +63,7 @@ class Pages:
         self._template = (STATIC / "index.html").read_text(encoding="utf-8")
         self._instance = secrets.token_hex(8)  # not a secret: a page sees by it that another server answers
         self._open = 0
+        self._stops: set[asyncio.Task[None]] = set()  # the loop itself holds tasks weakly
 
     async def index(self, request: Any) -> Any:
         """The page, with the token that its commands need. A token in the address goes into a cookie instead, so that
@@ -120,7 +121,7 @@ class Pages:
         self._open += 1
         watcher = Watcher(feed, websocket.send_text, websocket.send_bytes, {"server": self._instance})
         sending = asyncio.create_task(watcher.run())
-        receiving = asyncio.create_task(_acknowledgements(websocket, watcher))
+        receiving = asyncio.create_task(self._receive(websocket, watcher, feed.name))
         try:
             await asyncio.wait((sending, receiving), return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -131,16 +132,39 @@ class Pages:
                 if isinstance(result, Exception) and not _is_gone(result):
                     raise result
 
+    async def _receive(self, websocket: Any, watcher: Watcher, robot: str) -> None:
+        """What a page says: acknowledgements, and STOP, for which it then needs no new connection."""
+        stopping: asyncio.Task[None] | None = None
+        while True:
+            message = await websocket.receive()
+            if message["type"] == "websocket.disconnect":
+                return  # a stop that is being sent is sent to its end
+            text = message.get("text") or ""
+            if not text.startswith("{"):
+                watcher.acknowledge(text)
+            elif self._asks_stop(text) and (stopping is None or stopping.done()):  # one at a time for each page
+                stopping = asyncio.create_task(self._stop_and_tell(websocket, robot))
+                self._stops.add(stopping)
+                stopping.add_done_callback(self._stops.discard)
+
+    def _asks_stop(self, text: str) -> bool:
+        try:
+            given = json.loads(text).get("stop")
+            return self._commander is not None and isinstance(given, str) and self._access.token_is_right(given)
+        except (ValueError, RecursionError):  # also of half a surrogate pair
+            return False
+
+    async def _stop_and_tell(self, websocket: Any, robot: str) -> None:
+        assert self._commander is not None
+        outcome = await self._commander.do(robot, "stop", {})
+        try:
+            await websocket.send_text(json.dumps({"kind": "outcome"} | outcome.as_dict()))
+        except Exception as error:
+            if not _is_gone(error):
+                raise
+
 
 def _is_gone(error: BaseException) -> bool:
     """Whether this is how a page that has closed shows: starlette's, websockets' and the system's ways to say it."""
     gone = ("WebSocketDisconnect", "ConnectionClosed", "ConnectionClosedOK", "ConnectionClosedError")
     return type(error).__name__ in gone or isinstance(error, (RuntimeError, ConnectionError, KeyError))
-
-
-async def _acknowledgements(websocket: Any, watcher: Watcher) -> None:
-    while True:
-        message = await websocket.receive()
-        if message["type"] == "websocket.disconnect":
-            return
-        watcher.acknowledge(message.get("text") or "")

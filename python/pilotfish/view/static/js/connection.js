@@ -12,6 +12,7 @@ export class Connection {
     this.robot = robot;
     this.handlers = handlers;
     this.tries = 0;
+    this.stops = []; // who waits for the outcome of a STOP
     this.open();
     setInterval(() => this.watch(), 500);
   }
@@ -27,6 +28,17 @@ export class Connection {
     this.socket = socket;
   }
 
+  // Asks for STOP on the connection that is open: under load a new one may take long. Its outcome, as the server says it.
+  stop(token) {
+    if (this.socket?.readyState !== WebSocket.OPEN) return Promise.resolve(null);
+    this.socket.send(JSON.stringify({ stop: token }));
+    return new Promise((resolve) => this.stops.push(resolve));
+  }
+
+  tell(outcome) {
+    for (const resolve of this.stops.splice(0)) resolve(outcome);
+  }
+
   watch() {
     if (this.socket && performance.now() - this.heardMs > SILENT_MS) this.closed(this.socket, 0);
   }
@@ -36,6 +48,7 @@ export class Connection {
     this.socket = null;
     socket.onclose = null;
     socket.close();
+    this.tell(null);
     this.handlers.onLost(code === NO_SUCH_ROBOT ? "no robot heard on the bus yet" : null);
     setTimeout(() => this.open(), RETRY_MS[Math.min(this.tries++, RETRY_MS.length - 1)]);
   }
@@ -57,6 +70,10 @@ export class Connection {
     if (message.kind === "hello") {
       this.tries = 0;
       this.handlers.onHello(message);
+      return;
+    }
+    if (message.kind === "outcome") {
+      this.tell(message);
       return;
     }
     const tookMs = this.heardMs - message.sent_s * 1e3;

@@ -6,8 +6,9 @@ const PATIENCE_MS = 8000;
 const token = document.querySelector('meta[name="pilotfish-token"]').content;
 
 export class Controls {
-  constructor(robot) {
+  constructor(robot, connection) {
     this.robot = robot;
+    this.connection = connection;
     this.stopButton = document.getElementById("stop");
     this.note = document.getElementById("stop-note");
     this.outcome = document.getElementById("outcome");
@@ -48,7 +49,8 @@ export class Controls {
     this.say("sending", isStopping ? "sending STOP until the robot confirms it" : `sending ${action} until the robot confirms it`);
     if (isStopping) setText(this.note, "sending…");
     if (!isStopping) this.others.forEach((button) => (button.disabled = true));
-    const answer = await post(`/api/robots/${encodeURIComponent(this.robot)}/${action}`, values);
+    const posted = post(`/api/robots/${encodeURIComponent(this.robot)}/${action}`, values);
+    const answer = await (isStopping ? firstConfirmed([this.connection.stop(token), posted]) : posted);
     if (!isStopping) this.others.forEach((button) => (button.disabled = false));
     if (isStopping) setText(this.note, answer.confirmed ? "confirmed" : "NOT CONFIRMED");
     if (action === "setpoint" && answer.confirmed) this.touched.clear();
@@ -81,6 +83,12 @@ const isStop = (event) => event.code === "Space" || event.key === "Escape";
 function swallow(event) {
   event.preventDefault();
   event.stopImmediatePropagation();
+}
+
+// A stop goes both ways; where neither is confirmed, the answer of one that was sent says most.
+async function firstConfirmed(answers) {
+  const confirmed = answers.map((answer) => answer.then((outcome) => (outcome?.confirmed ? outcome : Promise.reject(outcome))));
+  return Promise.any(confirmed).catch(({ errors }) => errors.find((outcome) => outcome?.sent) ?? errors.at(-1));
 }
 
 async function post(address, values) {

@@ -55,7 +55,7 @@ const connection = new Connection(asked, {
 function make(hello) {
   const robot = hello.mode === "robot";
   const made = { hello, numbers: new Numbers(hello.mode), charts: new Charts(samples, hello.mode), above: new Above(samples) };
-  if (robot) Object.assign(made, { controls: new Controls(hello.robot), law: new Law(), tables: new Tables() });
+  if (robot) Object.assign(made, { controls: new Controls(hello.robot, connection), law: new Law(), tables: new Tables() });
   made.law?.load();
   return made;
 }
