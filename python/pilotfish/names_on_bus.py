@@ -1,4 +1,4 @@
-"""Names of robots as the bus has them: the rule of include/pilotfish/core/robot_name.hpp, for channels that were heard."""
+"""Names of robots, in channels that were heard: the rule of include/pilotfish/core/robot_name.hpp."""
 
 from __future__ import annotations
 
