@@ -252,7 +252,7 @@ def test_the_service_that_ended_is_named_with_its_exit_code(machine, said):
 
 def test_foreign_channels_are_none_of_ours():
     assert parse("HELLO", b"", 0.0) is None
-    assert parse("_STATUS", b"", 0.0) is None
+    assert parse("_STATUS", b"", 0.0).kind is Kind.other
 
 
 def test_a_process_says_its_options_in_both_spellings(tmp_path):

@@ -106,3 +106,13 @@ def test_the_help_has_examples_to_copy(command):
     result, said = run(command, "--help")
     assert result.exit_code == 0
     assert f"pilotfish leader {command} data/leaders/three_faces.yaml" in said
+
+
+def test_a_file_from_elsewhere_cannot_command_the_terminal(tmp_path):
+    evil = r"\x1b]0;owned\x07\x9b31m\u202e"  # sets the title, colours, writes from right to left
+    (tmp_path / "evil.yaml").write_text(THREE_FACES.read_text().replace("name: three_faces", f'name: "{evil}"'))
+    for command in (["check"], ["show", "--out", tmp_path / "a.png"]):
+        result = CliRunner().invoke(app, ["leader", command[0], str(tmp_path / "evil.yaml"), *map(str, command[1:])])
+        assert not set("\x1b\x07\x9b\u202e") & set(result.output)
+        assert r"\x1b]0;owned" in result.output
+        assert r"\u202e" in result.output

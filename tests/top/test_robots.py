@@ -6,9 +6,9 @@ import math
 import pytest
 from robot_messages import base, command, observation, received, status
 
-from pilotfish.watching import Kind, Message
+from pilotfish.watching import Kind, Message, parse
 from pilotfish.watching.columns import COLUMNS, as_dict, ordered, style
-from pilotfish.watching.robots import Robots, RobotState, Row
+from pilotfish.watching.robots import MOST_ROBOTS, Robots, RobotState, Row
 
 BY_NAME = {column.name: column for column in COLUMNS}
 
@@ -170,3 +170,22 @@ def test_json_has_no_numbers_that_json_does_not_have():
     assert said["distance_m"] is None
     assert said["rising"] == {"pose": 1}
     assert said["freshness"] == "fresh"
+
+
+def test_more_robots_than_the_screen_has_are_counted_and_the_silent_one_makes_room():
+    robots = Robots()
+    for k in range(MOST_ROBOTS + 3):
+        robots.receive(received(status(), float(k) / 100.0, robot=f"r{k}"))
+    assert len(robots.by_name) == MOST_ROBOTS
+    assert robots.left_out() == "3 robots more"
+    robots.receive(received(status(), 61.0, robot="r70"))  # r0 has been silent for more than a minute
+    assert len(robots.by_name) == MOST_ROBOTS
+    assert "r70" in robots.by_name and "r0" not in robots.by_name
+
+
+def test_names_that_are_no_robots_are_counted_without_end_in_bounded_memory():
+    robots = Robots()
+    for k in range(1500):
+        robots.receive(parse(f"a {k}_STATUS", b"", 0.0))
+    assert robots.by_name == {}
+    assert robots.left_out() == "1000 or more other channels"

@@ -1,10 +1,15 @@
 """``pilotfish top`` with messages on a real bus: the screen through Textual's pilot, the table through the program."""
 
 import asyncio
+import fcntl
 import json
 import os
+import pty
+import re
+import struct
 import subprocess
 import sys
+import termios
 import threading
 import time
 
@@ -269,6 +274,89 @@ def test_once_prints_one_table_without_textual(url, tmp_path):
     head, line = done.stdout.splitlines()
     assert head.split()[:3] == ["robot", "status", "age"]
     assert line.split()[:2] == ["robot1", "tracking"] and "1.250" in line
+
+
+def printed_on_a_terminal(url, columns):
+    """What `top --once` prints on a terminal of that width; lines without colours."""
+    main, terminal = pty.openpty()
+    fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    words = [sys.executable, "-m", "pilotfish", "top", "--lcm-url", url, "--once"]
+    environment = {name: value for name, value in ENVIRONMENT.items() if name not in ("COLUMNS", "NO_COLOR")}
+    with subprocess.Popen(
+        words, stdin=terminal, stdout=terminal, stderr=subprocess.PIPE, env=environment | {"TERM": "xterm"}
+    ) as running:
+        os.close(terminal)
+        text = b""
+        try:
+            while part := os.read(main, 4096):
+                text += part
+        except OSError:  # EIO: the other end is closed
+            pass
+        assert running.wait(20) == 0, running.stderr.read()
+    os.close(main)
+    return [line.rstrip() for line in re.sub(r"\x1b\[[0-9;]*m", "", text.decode()).splitlines()]
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120, 200])
+def test_a_terminal_gets_the_columns_that_fit_with_no_word_broken(url, columns):
+    long_name = "R" * 20
+    with Speaker(
+        url,
+        ROBOT1_STATUS=status(),
+        ROBOT1_OBSERVATION=observation(1.25),
+        **{f"{long_name}_STATUS": status("lost", "no_tag_found")},
+    ):
+        lines = printed_on_a_terminal(url, columns)
+    assert len(lines) == 3  # a heading, and a line for each robot
+    assert max(map(len, lines)) <= columns
+    titles = {column.title for column in COLUMNS}
+    assert set(re.split(r"\s{1,}(?!\[)", lines[0])) <= titles  # "e [m]" is one word
+    assert lines[0].split()[:2] == ["robot", "status"]
+    assert {line.split()[0] for line in lines[1:]} == {"robot1", long_name.lower()}
+    assert ("d [m]" in lines[0]) and (columns < 200 or all(title in lines[0] for title in titles))
+
+
+def test_a_pipe_gets_every_column_whole_however_narrow_the_terminal(url):
+    with Speaker(url, ROBOT1_STATUS=status("lost", "no_tag_found")):
+        words = [sys.executable, "-m", "pilotfish", "top", "--lcm-url", url, "--once"]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60, env=ENVIRONMENT | {"COLUMNS": "40"})
+    head, line = done.stdout.splitlines()
+    assert all(column.title in head for column in COLUMNS)
+    assert line.endswith("no tag in the picture")
+
+
+NO_NAMES = ("../..", "<b>", "a b", "A" * 33, "\x1b]0;owned\x07\x1b[31mred", "robot1", "")
+
+
+def test_what_can_be_no_robots_name_is_counted_and_not_shown(url):
+    with Speaker(url, ROBOT1_STATUS=status(), **{f"{name}_STATUS": status() for name in NO_NAMES}):
+        done = top(url, "--once")
+        as_json = top(url, "--json")
+    assert [line.split()[0] for line in done.stdout.splitlines()] == ["robot", "robot1"]
+    assert [robot["robot"] for robot in json.loads(as_json.stdout)] == ["robot1"]
+    for each in (done, as_json):
+        assert f"heard and not shown: {len(NO_NAMES)} other channels" in each.stderr
+        assert "\x1b" not in each.stdout + each.stderr
+
+
+def test_a_counter_with_control_characters_does_not_reach_the_terminal(url):
+    evil = "\x1b]0;owned\x07\x9b31m"
+    message = status(**{evil: 1})
+    with Speaker(url, ROBOT1_STATUS=message) as speaker:
+        counting = threading.Thread(target=count_up, args=(speaker, message))
+        counting.start()
+        done, as_json = top(url, "--once"), top(url, "--json")
+        counting.join()
+    assert "\\x1b]0;owned\\x07\\x9b31m" in done.stdout
+    assert not set("\x1b\x07\x9b") & set(done.stdout + as_json.stdout)
+
+
+def count_up(speaker, message):
+    """The counter rises as long as it is looked at."""
+    for _ in range(200):
+        message.rejected[0].count += 1
+        if speaker._over.wait(0.05):
+            return
 
 
 def test_json_is_an_array_of_robots_in_si_units(url):

@@ -153,7 +153,7 @@ def test_a_server_with_too_few_descriptors_says_how_many_it_needs(tmp_path, url)
     command = [*few, sys.executable, "-m", "pilotfish", "view", "robot1", "--lcm-url", url, "--port", "0"]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert ended.returncode == 69
-    assert re.search(r"only 40 open files are allowed here; ulimit -n \d+, or more", ended.stderr)
+    assert re.search(r"only 40 open files are allowed here: ulimit -n \d+, or more", ended.stderr)
     assert "Traceback" not in ended.stderr
 
 

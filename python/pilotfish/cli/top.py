@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,11 +13,12 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from pilotfish.cli.console import console, friendly_errors
+from pilotfish.cli.console import console, friendly_errors, print_whole, warn
 from pilotfish.cli.operate import KeyOption, UrlOption
 from pilotfish.cli.options import between
 
 if TYPE_CHECKING:
+    from pilotfish.watching.columns import Column
     from pilotfish.watching.robots import Row
 
 
@@ -35,6 +37,8 @@ def top(
 
     Works over SSH and without Java; pictures are not received. Keys: q quit, s stop the selected robot (asks nothing),
     < > sort, R reverse, ? help. Sends nothing but such stops.
+
+    On a terminal --once leaves out the columns that do not fit; in a pipe or a file it prints all.
 
     --once and --json end with 69 if no robot is heard.
 
@@ -77,23 +81,35 @@ def _print(lcm_url: str, seconds: float, robots: tuple[str, ...], as_json: bool)
     from pilotfish.top import once
     from pilotfish.watching.columns import as_dict
 
-    rows, url = once(lcm_url, seconds, robots)
+    heard, url = once(lcm_url, seconds, robots)
+    rows = heard.rows(time.monotonic())
+    if not_shown := heard.left_out():
+        warn(f"heard and not shown: {not_shown}; a robot's name is 1 to 32 letters, digits and underscores")
     if as_json:
         typer.echo(json.dumps([as_dict(row) for row in rows], indent=2))
     elif rows:
-        console.print(table(rows))
+        _print_table(rows)
     if not rows:
         asked = f"{', '.join(robots)} is not" if robots else "no robot is"
         raise SilentRobotError(f"{asked} heard on {url} within {seconds:g} s; pilotfish doctor says if the bus works")
 
 
-def table(rows: list[Row]) -> Table:
-    """The columns of the screen, as Rich prints them."""
-    from pilotfish.watching.columns import COLUMNS, style
+def _print_table(rows: list[Row]) -> None:
+    from pilotfish.watching.columns import COLUMNS, fitting, width
 
-    printed = Table(box=None, pad_edge=False, header_style="bold")
-    for column in COLUMNS:
-        printed.add_column(Text(column.title), justify="right" if column.right else "left", overflow="fold")
+    if console.is_terminal:
+        console.print(_table(rows, fitting(rows, console.width)))
+    else:
+        print_whole(_table(rows, COLUMNS), width(rows, COLUMNS))
+
+
+def _table(rows: list[Row], columns: Sequence[Column]) -> Table:
+    """As Rich prints them."""
+    from pilotfish.watching.columns import GAP, style
+
+    printed = Table(box=None, padding=(0, GAP, 0, 0), pad_edge=False, header_style="bold")
+    for column in columns:
+        printed.add_column(Text(column.title), justify="right" if column.right else "left", no_wrap=True)
     for row in rows:
-        printed.add_row(*(Text(column.text(row), style=style(row, column)) for column in COLUMNS))
+        printed.add_row(*(Text(column.text(row), style=style(row, column)) for column in columns))
     return printed

@@ -141,7 +141,7 @@ def _check_combination(
 def _bus_hub(
     robot: str, lcm_url: str, config: Path | None, fuzzy: Path | None, key: Path | None
 ) -> tuple[Hub, Setup, object]:
-    from pilotfish.bus import load_key
+    from pilotfish.bus import channel, load_key
     from pilotfish.errors import ConfigError
     from pilotfish.view.commands import Commander
     from pilotfish.view.hub import BusHub
@@ -154,8 +154,11 @@ def _bus_hub(
             load_key(str(key))  # now, not when somebody presses a button
         except ValueError as error:
             raise ConfigError(str(error)) from error
-    if robot and not robot.replace("_", "").isalnum():
-        raise typer.BadParameter(f"{robot!r} is no robot's name: letters, digits and _")
+    if robot:
+        try:
+            channel(robot, "STATUS")
+        except ConfigError as error:
+            raise typer.BadParameter(str(error)) from None
     url = resolve_url(lcm_url)
     return BusHub(url, robot, setup), setup, Commander(url, key)
 

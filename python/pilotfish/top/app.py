@@ -101,6 +101,8 @@ class TopApp(App[None]):
     def show(self) -> None:
         """Brings the table and the events up to the moment."""
         now_s = time.monotonic()
+        not_shown = self.robots.left_out()
+        self.sub_title = f"{self.feed.url}; not shown: {not_shown}" if not_shown else self.feed.url
         rows = ordered(self.robots.rows(now_s), COLUMNS[self.sort_column], self.reversed)
         table = self.query_one(DataTable)
         names = [row.robot for row in rows]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import re
 
+from pilotfish.names_on_bus import split_channel
 from pilotfish.view.feed import Feed
 from pilotfish.view.listener import Listener
 from pilotfish.view.robot_feed import KINDS, PICTURE_KINDS, RobotFeed
 from pilotfish.view.setup import Setup
 
 MAX_ROBOTS = 16
-_CHANNEL = re.compile(rf"([A-Z0-9_]{{1,40}})_({'|'.join((*KINDS, *PICTURE_KINDS))})")
+_KINDS = frozenset((*KINDS, *PICTURE_KINDS))
 
 
 class Hub:
@@ -72,10 +72,10 @@ class BusHub(Hub):
         kind = channel.rpartition("_")[2]
         if channel in self._by_channel:
             return self._by_channel[channel], kind
-        match = _CHANNEL.fullmatch(channel)
-        if match is None:
+        named = split_channel(channel)
+        if named is None or kind not in _KINDS:
             return None, kind
-        name = match[1].lower()
+        name = named[0]
         feed = next((feed for own, feed in self.feeds.items() if own.lower() == name), None)
         if feed is None and self._discovers and kind in ("STATUS", "COMMAND") and len(self.feeds) < MAX_ROBOTS:
             feed = self.feeds[name] = RobotFeed(name, self._setup)

@@ -16,7 +16,7 @@ from pilotfish.extras import require
 from pilotfish.view.descriptors import limits
 from pilotfish.view.gate import Gate
 
-_BACKLOG = 128
+_BACKLOG = 512  # waiting to be accepted; beyond it the kernel lets a newcomer wait for a second or more
 _GRACE_S = 1
 _MAX_MESSAGE_BYTES = 1024  # from a page: acknowledgements
 

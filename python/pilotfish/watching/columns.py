@@ -4,7 +4,7 @@ for ``--once`` and for the help."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -133,6 +133,29 @@ COLUMNS: tuple[Column, ...] = (
     Column("wheels", "wheels", lambda r: r.wheels or NOT_KNOWN, lambda r: r.wheels, "pilotfish-base.", right=False),
     Column("reason", "reason", lambda r: r.reason, lambda r: r.reason, "Why, where it does not track.", right=False),
 )
+
+
+GAP = 1  # columns of the screen between two of ours
+# Who has least room sees these first, as many as fit.
+_BY_IMPORTANCE = (
+    *("robot", "status", "age_s", "distance_m", "error_m", "linear_mps", "reason", "rising", "wheels", "frame_rate_hz"),
+    *("latency_ms", "bearing_deg", "angular_radps", "output"),
+)
+
+
+def width(rows: list[Row], columns: Sequence[Column]) -> int:
+    """Of a table of these, in characters."""
+    return sum(max(len(column.title), *(len(column.text(row)) for row in rows)) + GAP for column in columns) - GAP
+
+
+def fitting(rows: list[Row], available: int) -> list[Column]:
+    """The most important ones that fit side by side, in their usual order; name and status always."""
+    by_name = {column.name: column for column in COLUMNS}
+    chosen: list[Column] = []
+    for name in _BY_IMPORTANCE:
+        if len(chosen) < 2 or width(rows, [*chosen, by_name[name]]) <= available:
+            chosen.append(by_name[name])
+    return [column for column in COLUMNS if column in chosen]
 
 
 def style(row: Row, column: Column) -> str:

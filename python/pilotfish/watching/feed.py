@@ -18,6 +18,7 @@ from pilotfish.bus import DEFAULT_URL
 from pilotfish.errors import SilentRobotError
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import base_t, command_t, observation_t, status_t
+from pilotfish.names_on_bus import split_channel
 
 
 class Kind(str, Enum):
@@ -28,6 +29,7 @@ class Kind(str, Enum):
     observation = "OBSERVATION"
     base = "BASE"
     image = "IMAGE"
+    other = "other"  # on a channel of this kind, of whom no robot can be named: ``robot`` is empty
     unreadable = "unreadable"  # on one of these channels, but of another type or version
 
 
@@ -54,7 +56,7 @@ class ImageHead:
 
 @dataclass(frozen=True)
 class Message:
-    """One message. ``value`` is a status_t, command_t, observation_t, base_t or ImageHead; None if unreadable."""
+    """One message. ``value`` is a status_t, command_t, observation_t, base_t or ImageHead; else None."""
 
     arrival_s: float  # on this process's monotonic clock
     channel: str
@@ -70,15 +72,18 @@ def parse(channel: str, data: bytes, arrival_s: float) -> Message | None:
             return Message(arrival_s, channel, channel, Kind.unreadable, None)
         _, utime, width, height, _, pixelformat, _ = _HEAD.unpack_from(data)
         return Message(arrival_s, channel, channel, Kind.image, ImageHead(utime, width, height, pixelformat, data))
-    name, _, suffix = channel.rpartition("_")
-    if not name or suffix not in {kind.value for kind in _TYPES}:
+    suffix = channel.rpartition("_")[2]
+    if suffix not in {kind.value for kind in _TYPES}:
         return None
-    kind = Kind(suffix)
+    kind, named = Kind(suffix), split_channel(channel)
+    if named is None:
+        return Message(arrival_s, channel, "", Kind.other, None)
+    robot = named[0]
     try:
         value = _TYPES[kind].decode(data)
     except Exception:  # lcm-gen's decoders raise whatever the bytes lead to
-        return Message(arrival_s, channel, name.lower(), Kind.unreadable, None)
-    return Message(arrival_s, channel, name.lower(), kind, value)
+        return Message(arrival_s, channel, robot, Kind.unreadable, None)
+    return Message(arrival_s, channel, robot, kind, value)
 
 
 class Feed:

@@ -8,13 +8,18 @@ from statistics import median
 from typing import Any
 
 from pilotfish.core import Reason, Status
+from pilotfish.printable import printable
 from pilotfish.watching.feed import Kind, Message
 
 WINDOW_S = 10.0  # of maxima, and of counters that are shown as rising
 STALE_S = 0.5  # a coordinator sends every 50 ms at least
 DEAD_S = 2.0
 _RIVAL_S = 1.0
+_FORGOTTEN_S = 60.0  # then another robot may have its place, if there are too many
 _EVENTS = 200
+MOST_ROBOTS = 64
+_MOST_COUNTED = 1000  # names that are remembered to be counted once
+_MOST_COUNTERS = 256  # of one robot; a coordinator has some 60
 
 _STATUSES = {int(status): name for name, status in Status.__members__.items()}
 _REASONS = {int(reason): name for name, reason in Reason.__members__.items()}
@@ -122,7 +127,9 @@ class RobotState:
         restarted = self._status is not None and status.session != self._status.session
         if restarted:
             self._counts.clear()
-        known = {counter.name: counter.count for counter in status.rejected}
+        known = {printable(counter.name): counter.count for counter in status.rejected}
+        if len(self._counts) > _MOST_COUNTERS:
+            self._counts.clear()
         for name, count in known.items():
             before = self._counts.get(name, count if self._status is None or "others" in known else 0)
             if count > before and name != "others":
@@ -202,17 +209,49 @@ class Robots:
 
     def __init__(self, only: tuple[str, ...] = ()) -> None:
         self.by_name: dict[str, RobotState] = {}
+        self._left_out: set[str] = set()  # robots beyond MOST_ROBOTS
+        self._others: set[str] = set()  # channels that can be no robot's
         self._only = {name.lower() for name in only}
 
     def receive(self, message: Message) -> None:
         """Takes over a message; pictures and robots that were not asked for are left out."""
+        if message.kind is Kind.other:
+            _count(self._others, message.channel)
+            return
         if message.kind is Kind.image or (self._only and message.robot not in self._only):
             return
+        if not self._is_known(message):
+            return
         self.by_name.setdefault(message.robot, RobotState(message.robot)).receive(message)
+
+    def left_out(self) -> str:
+        """What was heard and is not shown, in words; empty: nothing."""
+        counts = ((self._left_out, "robots more"), (self._others, "other channels"))
+        return ", ".join(f"{_counted(names)} {what}" for names, what in counts if names)
+
+    def _is_known(self, message: Message) -> bool:
+        """One that is silent for long makes room."""
+        if message.robot in self.by_name or len(self.by_name) < MOST_ROBOTS:
+            return True
+        name, oldest = min(self.by_name.items(), key=lambda item: item[1].heard_s)
+        if message.arrival_s - oldest.heard_s < _FORGOTTEN_S:
+            _count(self._left_out, message.robot)
+            return False
+        del self.by_name[name]
+        return True
 
     def rows(self, now_s: float) -> list[Row]:
         """One of each robot, by name."""
         return [self.by_name[name].row(now_s) for name in sorted(self.by_name)]
+
+
+def _count(names: set[str], name: str) -> None:
+    if len(names) < _MOST_COUNTED:
+        names.add(name)
+
+
+def _counted(names: set[str]) -> str:
+    return str(len(names)) if len(names) < _MOST_COUNTED else f"{_MOST_COUNTED} or more"
 
 
 def _name(message: Any) -> str:

@@ -10,6 +10,7 @@ from pilotfish.watching import ImageHead, Kind, Message, watch
 
 _SAMPLES = 12  # pictures kept for looking at
 _SAMPLE_EVERY_S = 0.4
+_MOST = 64  # other robots, and channels of pictures, that are remembered
 
 
 @dataclass
@@ -45,10 +46,10 @@ class Watched:
 
     def add(self, message: Message) -> None:
         """Files a message."""
-        if message.kind is Kind.image:
+        if message.kind is Kind.image and (message.channel in self.images or len(self.images) < _MOST):
             self.images.setdefault(message.channel, Images()).add(message.arrival_s, message.value)
         elif message.robot != self.robot.lower():
-            if message.kind in (Kind.status, Kind.command):
+            if message.kind in (Kind.status, Kind.command) and len(self.others) < _MOST:
                 self.others.add(message.robot)
         elif message.kind is Kind.unreadable:
             self.unreadable[message.channel] = self.unreadable.get(message.channel, 0) + 1
