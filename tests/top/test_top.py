@@ -12,6 +12,7 @@ import sys
 import termios
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import lcm
 import pytest
@@ -68,7 +69,9 @@ def on_screen(app, scenario, size=(160, 40)):
         async with app.run_test(size=size) as pilot:
             await scenario(pilot)
 
-    asyncio.run(run())
+    # In a thread of its own: a browser's test before this one has left a loop running in this thread.
+    with ThreadPoolExecutor(1) as executor:
+        executor.submit(lambda: asyncio.run(run())).result()
 
 
 async def until_robots(pilot, app, count):
