@@ -1,6 +1,5 @@
 """``pilotfish top`` with messages on a real bus: the screen through Textual's pilot, the table through the program."""
 
-import asyncio
 import fcntl
 import json
 import os
@@ -11,11 +10,10 @@ import subprocess
 import sys
 import termios
 import threading
-import time
-from concurrent.futures import ThreadPoolExecutor
 
 import lcm
 import pytest
+from on_screen import on_screen, until
 from robot_messages import base, command, observation, status
 from textual.widgets import DataTable, Static
 
@@ -25,7 +23,6 @@ from pilotfish.top.app import TopApp
 from pilotfish.watching.columns import COLUMNS
 from scripted_coordinator import ScriptedCoordinator
 
-PATIENCE_S = 20.0
 BY_NAME = {column.name: number for number, column in enumerate(COLUMNS)}
 
 
@@ -55,23 +52,6 @@ class Speaker:
 @pytest.fixture
 def url():
     return private_lcm_url()
-
-
-async def until(pilot, condition, what):
-    deadline = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
-        await pilot.pause(0.02)
-
-
-def on_screen(app, scenario, size=(160, 40)):
-    async def run():
-        async with app.run_test(size=size) as pilot:
-            await scenario(pilot)
-
-    # In a thread of its own: a browser's test before this one has left a loop running in this thread.
-    with ThreadPoolExecutor(1) as executor:
-        executor.submit(lambda: asyncio.run(run())).result()
 
 
 async def until_robots(pilot, app, count):
