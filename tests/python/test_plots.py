@@ -236,3 +236,13 @@ def test_the_surface_and_its_section_at_ec_zero_are_drawn(law, tmp_path):
     assert (u[e < -0.1] > 0).all()
     assert (u[e > 0.1] < 0).all()
     assert colours_of(save(figure, tmp_path / "surface.png")) > 20
+
+
+def test_a_long_title_stays_inside_the_picture():
+    title = "Leader on a circle, non-ideal robot, anticipate (the paper's Fig. 7, simulated)"
+    figure = draw_distance_error(exponential_run(), title)
+    figure.canvas.draw()
+    extent = figure.axes[0].title.get_window_extent()
+    left = figure.axes[0]._left_title.get_window_extent()
+    assert max(extent.x1, left.x1) <= figure.bbox.x1 and min(extent.x0, left.x0) >= 0
+    assert " ".join(figure.axes[0].get_title(loc="left").split()) == title

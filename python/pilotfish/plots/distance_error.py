@@ -3,6 +3,8 @@ bearing error and the command."""
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,6 +17,7 @@ from pilotfish.plots.traces import limit_time
 from pilotfish.recording import FloatArray, Recording
 
 MIN_MAGNIFIED_MM = 0.2  # height of the magnified axes, at least
+TITLE_LETTERS = 62  # as many as the figure is wide
 
 
 def draw_distance_error(recording: Recording, title: str, theme: Theme = LIGHT) -> Figure:
@@ -23,7 +26,7 @@ def draw_distance_error(recording: Recording, title: str, theme: Theme = LIGHT) 
     with style(theme):
         figure = Figure(figsize=(7.2, 9.0))
         error, magnified, bearing, speed, turn = figure.subplots(5, 1, sharex=True, height_ratios=(3, 2, 2, 1.5, 1.5))
-        error.set_title(title)
+        error.set_title(textwrap.fill(title, TITLE_LETTERS))
         draw_error_on(error, recording, theme)
         _draw_magnified_on(magnified, recording, theme)
         _draw_bearing_on(bearing, recording, theme)
