@@ -157,9 +157,9 @@ void log_losses(const blackbox::BlackBox* black_box) {
 }
 
 /// Where the pictures are not on the bus already; and a replay has no one who watches, unless it is live.
-std::unique_ptr<Preview> make_preview(const config::CoordinatorFile& file, const std::string& url, bool replay,
-                                      bool live) {
-  const bool on_the_bus = parse_source(file.source).kind == SourceSpec::Kind::lcm;
+std::unique_ptr<Preview> make_preview(const config::CoordinatorFile& file, SourceSpec::Kind source,
+                                      const std::string& url, bool replay, bool live) {
+  const bool on_the_bus = source == SourceSpec::Kind::lcm;
   if (file.preview.rate_hz <= 0.0 || on_the_bus || (replay && !live)) return nullptr;
   return std::make_unique<Preview>(file.preview, file.name, url);
 }
@@ -248,7 +248,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         ids_of(file.coordinator.leader),
                         file.coordinator.control.drive.latency_s};
   supervisor.ready(source.description);
-  const std::unique_ptr<Preview> preview = make_preview(file, listening.url, replay, options.live);
+  const std::unique_ptr<Preview> preview = make_preview(file, spec.kind, listening.url, replay, options.live);
   const LoopParts parts{*inbox,
                         source.pull,
                         sender,

@@ -32,7 +32,7 @@ Preview::~Preview() {
 
 void Preview::offer(const Frame& frame) noexcept {
   const MonotonicTime now = monotonic_now();
-  if (config_.rate_hz <= 0.0 || now < next_ || !frame.pixels_owner) return;
+  if (now < next_ || !frame.pixels_owner) return;
   // The thread has less priority than this one: not to be waited for. A picture that comes just then is not sent.
   const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
   if (!lock) return;

@@ -16,6 +16,7 @@ namespace pilotfish::apps {
 /// for nothing.
 class Preview {
  public:
+  /// config.rate_hz: above zero.
   Preview(const config::PreviewConfig& config, std::string robot, const std::string& bus_url);
   ~Preview();
   Preview(const Preview&) = delete;

@@ -13,7 +13,7 @@ import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress
 from pilotfish.cli.learn_body import of_tag, tag_sizes
-from pilotfish.cli.options import between
+from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 from pilotfish.whole_files import check_not_among, write_whole
 
 if TYPE_CHECKING:
@@ -26,17 +26,8 @@ def mounting(
     source: Annotated[
         Path, typer.Argument(help="A folder of pictures, a video, an LCM log, or the folder of a black box.")
     ],
-    camera: Annotated[
-        Path, typer.Option("--camera", exists=True, dir_okay=False, help="Its calibration: OpenCV's YAML, ViSP's XML.")
-    ],
-    tag_size: Annotated[
-        list[str],
-        typer.Option(
-            "--tag-size",
-            help="Side of the black squares in metres, as 0.16; of one id, as 7=0.10. Can be repeated.",
-            metavar="[ID=]METRES",
-        ),
-    ],
+    camera: CalibrationOption,
+    tag_size: TagSizesOption,
     straight: Annotated[
         Path | None,
         typer.Option(help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress
-from pilotfish.cli.options import between
+from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 
 if TYPE_CHECKING:
     from pilotfish.calibration.body import KnownTag, TagSizes, TurningCentre
@@ -22,17 +22,8 @@ TURNING, KNOWN = "The base frame from the turning", "The base frame from a tag w
 
 def learn_body(
     video: Annotated[Path, typer.Argument(exists=True, help="A video file, or a folder of pictures.")],
-    camera: Annotated[
-        Path, typer.Option("--camera", exists=True, dir_okay=False, help="Its calibration: OpenCV's YAML, ViSP's XML.")
-    ],
-    tag_size: Annotated[
-        list[str],
-        typer.Option(
-            "--tag-size",
-            help="Side of the black squares in metres, as 0.16; of one id, as 7=0.10. Can be repeated.",
-            metavar="[ID=]METRES",
-        ),
-    ],
+    camera: CalibrationOption,
+    tag_size: TagSizesOption,
     output: Annotated[Path, typer.Option("--output", dir_okay=False, help="The leader YAML to write.")],
     name: Annotated[str | None, typer.Option(help="Of the leader; default: OUTPUT without its ending.")] = None,
     family: Annotated[str, typer.Option(help="Of the tags.")] = "tag36h11",

@@ -128,3 +128,16 @@ def drivers_of(profiles: Profiles, law: Law) -> list[str]:
     if law is not Law.fuzzy:
         return [law.value]
     return ["paper", "anticipate"] if profiles is Profiles.both else [profiles.value]
+
+
+CalibrationOption = Annotated[
+    Path, typer.Option("--camera", exists=True, dir_okay=False, help="Its calibration: OpenCV's YAML, ViSP's XML.")
+]
+TagSizesOption = Annotated[
+    list[str],
+    typer.Option(
+        "--tag-size",
+        help="Side of the black squares in metres, as 0.16; of one id, as 7=0.10. Can be repeated.",
+        metavar="[ID=]METRES",
+    ),
+]
