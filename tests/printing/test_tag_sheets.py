@@ -15,18 +15,7 @@ from pilotfish.printing import loose_tag_pages, parse_paper, write_pdf
 from pilotfish.printing.outline import outline
 from pilotfish.printing.tag_sheets import largest_tag_m
 from pilotfish.vision import TagFamily, TagMeasurement, TagTracker
-
-FAMILIES = [
-    "tag36h11",
-    "tag36h10",
-    "tag25h9",
-    "tag16h5",
-    "tagStandard41h12",
-    "tagStandard52h13",
-    "tagCircle21h7",
-    "tagCircle49h12",
-    "tagCustom48h12",
-]
+from tag_families import FAMILIES
 
 
 def printed(tmp_path, ids, size_m, paper="A4", **options):

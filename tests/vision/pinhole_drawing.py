@@ -15,17 +15,6 @@ import numpy as np
 from pilotfish.core import BodyTag, CameraModel, Lens
 from pilotfish.vision import TagFamily
 
-FAMILIES = [
-    "tag36h11",
-    "tag36h10",
-    "tag25h9",
-    "tag16h5",
-    "tagStandard41h12",
-    "tagStandard52h13",
-    "tagCircle21h7",
-    "tagCircle49h12",
-    "tagCustom48h12",
-]
 # Camera at the base's origin, level, looking ahead: its right is -y of the base, its down is -z, its forward
 # is x.
 BASE_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])

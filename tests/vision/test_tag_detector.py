@@ -5,10 +5,11 @@ import sys
 
 import numpy as np
 import pytest
-from pinhole_drawing import FAMILIES, Photography, corners_px, draw, leader_pose, pose, rotation
+from pinhole_drawing import Photography, corners_px, draw, leader_pose, pose, rotation
 
 from pilotfish.core import BodyTag, CameraModel
 from pilotfish.vision import TagDetector, TagDetectorConfig, TagFamily
+from tag_families import FAMILIES
 
 CAMERA = CameraModel(width=320, height=240, fx=600, fy=600, cx=159.5, cy=119.5)
 

@@ -19,12 +19,13 @@ edges hide each other's flanks and turned tags have cells half as wide: see the 
 
 import numpy as np
 import pytest
-from pinhole_drawing import FAMILIES, blurred
+from pinhole_drawing import blurred
 from rendered_leaders import BODY, CAMERA, found, leader_at, look, render, squared_in_sigmas, true_corners
 from scipy import stats
 
 from pilotfish.core import BodyTag, CameraModel, LeaderBody
 from pilotfish.vision import TagFamily
+from tag_families import FAMILIES
 
 WIDE = CameraModel(width=640, height=480, fx=420, fy=430, cx=330, cy=230, k1=-0.28, k2=0.08, p1=0.006, p2=-0.004)
 COUNT = 80
