@@ -30,7 +30,7 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
   if (sender.rivals_heard > 0) counters["rival_commands"] = sender.rivals_heard;
 
   bus::StatusReport status = status_report(result, timing, {config_, coordinator_, sender, setpoint_counter}, counters);
-  status.detail = detail(result.reason);
+  status.detail = detail(result);
   const auto stage = [&](const char* name, const StageTimes& times) {
     status.stages.push_back({name, times.counts(), times.max_ms()});
   };
@@ -62,14 +62,15 @@ void Reporter::warn_of_losses() {
 }
 
 /// What a reason's text leaves open: which ids, which sizes.
-std::string Reporter::detail(Reason reason) const {
+std::string Reporter::detail(const StepResult& result) const {
+  const Reason reason = result.reason;
   const auto size = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
   if (reason == Reason::frame_size_not_calibrated)
     return "frame " + size(picture.width, picture.height) + ", calibration " +
            size(config_.calibrated.width, config_.calibrated.height);
   if (reason == Reason::no_tag_of_the_leader)
     return "saw id " + listed(coordinator_.foreign_ids()) + ", the leader has " + listed(config_.leader_ids);
-  return {};
+  return to_text(result.refused);
 }
 
 /// One line per change of status or reason, however many frames it lasts.

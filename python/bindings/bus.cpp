@@ -1,6 +1,7 @@
 #include "pilotfish/bus/bus.hpp"
 
 #include <pybind11/functional.h>
+#include <pybind11/typing.h>
 
 #include "arrays.hpp"
 #include "exclusive.hpp"
@@ -303,7 +304,7 @@ PYBIND11_MODULE(bus, m) {
       .def("__len__", python::exclusive(&LogReader::size))
       .def_property_readonly("damaged", python::exclusive(&LogReader::damaged),
                              "damaged places in the file that were skipped")
-      .def("__iter__", [](py::object self) { return self; })
+      .def("__iter__", [](const py::object& self) { return py::typing::Iterator<Frame>(self); })
       .def("__next__", python::exclusive([](LogReader& reader) {
              std::optional<Frame> frame;
              {

@@ -1,4 +1,5 @@
 #include <pybind11/stl/filesystem.h>
+#include <pybind11/typing.h>
 
 #include "arrays.hpp"
 #include "exclusive.hpp"
@@ -26,7 +27,7 @@ PYBIND11_MODULE(capture, m) {
                              "A line for the log; empty while it has not")
       .def_property_readonly("live", exclusive(&FrameSource::live), "True if frames come whether or not anyone asks")
       .def("describe", exclusive(&FrameSource::describe), "One line for the log")
-      .def("__iter__", [](py::object self) { return self; })
+      .def("__iter__", [](const py::object& self) { return py::typing::Iterator<Frame>(self); })
       .def("__next__", exclusive([](FrameSource& source) {
              while (true) {
                std::optional<Frame> frame;

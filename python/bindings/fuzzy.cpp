@@ -15,6 +15,7 @@
 
 namespace py = pybind11;
 using namespace pilotfish::fuzzy;
+using pilotfish::ConfigError;
 
 namespace {
 
@@ -27,10 +28,17 @@ std::string text(const Parts&... parts) {
   return out.str();
 }
 
-// Sets and variables are checked where they are made, so that an ill-formed one cannot exist in Python.
+// Sets and variables are checked where they are made, so that an ill-formed one cannot exist in Python. `name`: the key
+// of a set's error, which belongs to no variable yet.
 template <class Value>
-Value checked(Value value) {
-  validate(value);
+Value checked(Value value, const char* name = "") {
+  try {
+    validate(value);
+  } catch (const ValidationError& error) {
+    throw ConfigError(error.where(), error.problem());
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(name, error.what());
+  }
   return value;
 }
 
@@ -39,7 +47,7 @@ RuleBase make_rules(const std::vector<std::vector<std::size_t>>& consequents) {
   rules.rows = consequents.size();
   rules.columns = consequents.empty() ? 0 : consequents.front().size();
   for (const auto& row : consequents) {
-    if (row.size() != rules.columns) throw py::value_error("the rows of the rule base have different lengths");
+    if (row.size() != rules.columns) throw ConfigError("rules", "the rows have different lengths");
     rules.consequents.insert(rules.consequents.end(), row.begin(), row.end());
   }
   return rules;
@@ -50,16 +58,14 @@ RuleBase make_rules(const std::vector<std::vector<std::size_t>>& consequents) {
 Controller make_controller(const LinguisticVariable& error, const LinguisticVariable& error_change,
                            const LinguisticVariable& output, const RuleBase& rules, const std::string& name) {
   const py::gil_scoped_release released;
-  Controller controller{name, error, error_change, output, rules};
-  validate(controller);
-  return controller;
+  return checked(Controller{name, error, error_change, output, rules});
 }
 
 py::ssize_t common_length(const DoubleArray& error, const DoubleArray& error_change) {
   if (error.ndim() != 1 || error_change.ndim() != 1 || error.shape(0) != error_change.shape(0))
-    throw py::value_error("expected error and error_change of one shape (N,), got " +
-                          py::str(error.attr("shape")).cast<std::string>() + " and " +
-                          py::str(error_change.attr("shape")).cast<std::string>());
+    throw ConfigError("error_change",
+                      "has not the shape (N,) of error: " + py::str(error_change.attr("shape")).cast<std::string>() +
+                          " and " + py::str(error.attr("shape")).cast<std::string>());
   return error.shape(0);
 }
 
@@ -95,17 +101,18 @@ DoubleArray infer_outputs(const Controller& controller, const DoubleArray& error
 }
 
 InputWidths make_widths(double error, double error_change, WidthShape shape) {
-  for (double width : {error, error_change})
-    if (!(width >= 0.0) || std::isinf(width)) throw py::value_error(text("width ", width, " is outside [0, inf)"));
+  for (const auto& [key, width] : {std::pair{"error", error}, std::pair{"error_change", error_change}})
+    if (!(width >= 0.0) || std::isinf(width)) throw ConfigError(key, text("width ", width, " is outside [0, inf)"));
   return {error, error_change, shape};
 }
 
 void check_term_strengths(const LinguisticVariable& output, const std::vector<double>& term_strengths) {
   if (term_strengths.size() != output.terms.size())
-    throw py::value_error(
-        text("expected one height for each of the ", output.terms.size(), " terms, got ", term_strengths.size()));
-  for (double height : term_strengths)
-    if (!(height >= 0.0 && height <= 1.0)) throw py::value_error(text("height ", height, " is outside [0, 1]"));
+    throw ConfigError("term_strengths",
+                      text("one for each of the ", output.terms.size(), " terms, not ", term_strengths.size()));
+  for (std::size_t i = 0; i < term_strengths.size(); ++i)
+    if (!(term_strengths[i] >= 0.0 && term_strengths[i] <= 1.0))
+      throw ConfigError("term_strengths." + output.terms[i].label, text(term_strengths[i], " is outside [0, 1]"));
 }
 
 py::array_t<double> polyline(const std::vector<std::array<double, 2>>& points) {
@@ -129,12 +136,13 @@ std::optional<Moments> ordered_moments_of(const LinguisticVariable& output, cons
 
 PYBIND11_MODULE(fuzzy, m) {
   m.doc() = "Fuzzy sets, linguistic variables, the 56-rule base, Mamdani inference and the exact centroid.";
+  py::module_::import("pilotfish.core");  // its ConfigError
 
   py::class_<Triangle>(m, "Triangle", "mu(x) = max(0, min((x - a)/(b - a), (c - x)/(c - b)))")
       .def(py::init([](double a, double b, double c) {
-             return checked(Triangle{a, b, c});
+             return checked(Triangle{a, b, c}, "Triangle");
            }),
-           py::arg("a"), py::arg("b"), py::arg("c"), "ValueError unless a <= b <= c with a < c, all finite.")
+           py::arg("a"), py::arg("b"), py::arg("c"), "ConfigError unless a <= b <= c with a < c, all finite.")
       .def_readonly("a", &Triangle::a, "left end of the support")
       .def_readonly("b", &Triangle::b, "where the degree is 1")
       .def_readonly("c", &Triangle::c, "right end of the support")
@@ -143,10 +151,10 @@ PYBIND11_MODULE(fuzzy, m) {
       m, "Trapezoid",
       "mu(x) = max(0, min((x - a)/(b - a), 1, (d - x)/(d - c))); open shoulders: a = b = -inf, c = d = inf")
       .def(py::init([](double a, double b, double c, double d) {
-             return checked(Trapezoid{a, b, c, d});
+             return checked(Trapezoid{a, b, c, d}, "Trapezoid");
            }),
            py::arg("a"), py::arg("b"), py::arg("c"), py::arg("d"),
-           "ValueError unless a <= b <= c <= d; a = b = -inf or c = d = inf is an open shoulder.")
+           "ConfigError unless a <= b <= c <= d; a = b = -inf or c = d = inf is an open shoulder.")
       .def_readonly("a", &Trapezoid::a, "left end of the support; -inf: open")
       .def_readonly("b", &Trapezoid::b, "from here the degree is 1; -inf: open")
       .def_readonly("c", &Trapezoid::c, "up to here the degree is 1; inf: open")
@@ -155,9 +163,9 @@ PYBIND11_MODULE(fuzzy, m) {
            [](const Trapezoid& s) { return text("Trapezoid(a=", s.a, ", b=", s.b, ", c=", s.c, ", d=", s.d, ")"); });
   py::class_<Gaussian>(m, "Gaussian", "mu(x) = exp(-(x - mean)^2 / (2 sigma^2))")
       .def(py::init([](double mean, double sigma) {
-             return checked(Gaussian{mean, sigma});
+             return checked(Gaussian{mean, sigma}, "Gaussian");
            }),
-           py::arg("mean"), py::arg("sigma"), "ValueError unless mean is finite and sigma positive.")
+           py::arg("mean"), py::arg("sigma"), "ConfigError unless mean is finite and sigma positive.")
       .def_readonly("mean", &Gaussian::mean, "where the degree is 1")
       .def_readonly("sigma", &Gaussian::sigma, "width, in units of the universe")
       .def("__repr__", [](const Gaussian& s) { return text("Gaussian(mean=", s.mean, ", sigma=", s.sigma, ")"); });
@@ -172,7 +180,7 @@ PYBIND11_MODULE(fuzzy, m) {
   m.def(
       "level_cut",
       [](const MembershipFunction& set, double level) {
-        if (!(level > 0.0 && level <= 1.0)) throw py::value_error(text("level ", level, " is outside (0, 1]"));
+        if (!(level > 0.0 && level <= 1.0)) throw ConfigError("level", text(level, " is outside (0, 1]"));
         return level_cut(set, level);
       },
       "The interval {x : mu(x) >= level}.", py::arg("set"), py::arg("level"));
@@ -195,7 +203,7 @@ PYBIND11_MODULE(fuzzy, m) {
              return checked(LinguisticVariable{name, min, max, terms});
            }),
            py::arg("name"), py::arg("terms"), py::kw_only(), py::arg("min") = -1.0, py::arg("max") = 1.0,
-           "terms from negative to positive; [min, max] is the universe. ValueError names what is ill-formed.")
+           "terms from negative to positive; [min, max] is the universe. ConfigError names what is ill-formed.")
       .def_readonly("name", &LinguisticVariable::name, "name of the variable, e.g. E")
       .def_readonly("min", &LinguisticVariable::min, "lower end of the universe")
       .def_readonly("max", &LinguisticVariable::max, "upper end of the universe")
@@ -214,9 +222,9 @@ PYBIND11_MODULE(fuzzy, m) {
   py::class_<RuleBase>(m, "RuleBase",
                        "Indices of output terms, one list for each row (term of E), one cell for each "
                        "column (term of EC).")
-      .def(
-          py::init(&make_rules), py::arg("consequents"),
-          "consequents: one list of output terms' indices for each row. ValueError if the rows have different lengths.")
+      .def(py::init(&make_rules), py::arg("consequents"),
+           "consequents: one list of output terms' indices for each row. ConfigError if the rows have different "
+           "lengths.")
       .def_readonly("rows", &RuleBase::rows, "number of terms of E")
       .def_readonly("columns", &RuleBase::columns, "number of terms of EC")
       .def_property_readonly(
@@ -229,10 +237,10 @@ PYBIND11_MODULE(fuzzy, m) {
           "(rows, columns)")
       .def("__len__", &RuleBase::size);
 
-  py::class_<Controller>(m, "Controller", "A two-input Mamdani controller; validated when it is made (ValueError).")
+  py::class_<Controller>(m, "Controller", "A two-input Mamdani controller; validated when it is made (ConfigError).")
       .def(py::init(&make_controller), py::kw_only(), py::arg("error"), py::arg("error_change"), py::arg("output"),
            py::arg("rules"), py::arg("name") = "",
-           "error: E, error_change: EC, output: U; rules: RuleBase. ValueError names the variable, term or cell at "
+           "error: E, error_change: EC, output: U; rules: RuleBase. ConfigError names the variable, term or cell at "
            "fault.")
       .def_readonly("name", &Controller::name, "name of the controller, for people")
       .def_readonly("error", &Controller::error, "LinguisticVariable E: the distance error")
@@ -248,7 +256,7 @@ PYBIND11_MODULE(fuzzy, m) {
                           "Widths of the inputs A', B' of eq. (6), in units of their universes; 0 is a singleton.")
       .def(py::init(&make_widths), py::arg("error") = 0.0, py::arg("error_change") = 0.0,
            py::arg_v("shape", WidthShape::triangle, "WidthShape.triangle"),
-           "ValueError unless both widths are in [0, inf).")
+           "ConfigError unless both widths are in [0, inf).")
       .def_readonly("error", &InputWidths::error, "width of A', in units of E's universe; 0: a singleton")
       .def_readonly("error_change", &InputWidths::error_change,
                     "width of B', in units of EC's universe; 0: a singleton")
@@ -318,7 +326,7 @@ PYBIND11_MODULE(fuzzy, m) {
   m.def("to_yaml", &pilotfish::config::to_yaml, "The controller in the form of data/fuzzy/*.yaml, with every digit.",
         py::arg("controller"), py::call_guard<py::gil_scoped_release>());
   m.def("load_controller", &pilotfish::config::load_fuzzy_controller,
-        "Reads and validates data/fuzzy/*.yaml or fuzzylite's *.fll; ValueError naming the key or the line.",
+        "Reads and validates data/fuzzy/*.yaml or fuzzylite's *.fll; ConfigError naming the key or the line.",
         py::arg("path"), py::call_guard<py::gil_scoped_release>());
 
   using pilotfish::python::make_value;

@@ -204,8 +204,10 @@ py::class_<Config> bind_parameters(py::module_& module, const std::string& name,
   {
     py::options options;
     options.disable_function_signatures();
-    binding.def(py::init([name](const py::kwargs& values) {
+    binding.def(py::init([name](const py::args& positional, const py::kwargs& values) {
                   Config config;
+                  if (!positional.empty())
+                    throw py::type_error(name + " takes keywords only: " + attribute_names(py::cast(config)));
                   set_attributes(py::cast(&config, py::return_value_policy::reference), values, name);
                   return config;
                 }),

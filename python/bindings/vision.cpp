@@ -147,7 +147,7 @@ PYBIND11_MODULE(vision, m) {
   m.def(
       "check_pose",
       [](const LeaderPose& pose, const LeaderBody& body, const std::vector<TagDetection>& tags,
-         const LeaderPoseConfig& config) { return check_pose(pose.best, body, as_measurements(tags), config); },
+         const LeaderPoseConfig& config) { return check_pose(pose.best, body, as_measurements(tags), config).reason; },
       "Reason.none if a pose passes the gates of its config, else what is wrong with it.", py::kw_only(),
       py::arg("pose"), py::arg("body"), py::arg("tags"), py::arg("config") = LeaderPoseConfig{});
 
@@ -174,7 +174,10 @@ PYBIND11_MODULE(vision, m) {
   py::class_<ObservationResult>(m, "ObservationResult",
                                 "What one picture says about the leader: an observation, or the reason why none.")
       .def_readonly("observation", &ObservationResult::observation, "Observation of this frame, or None")
-      .def_readonly("reason", &ObservationResult::reason, "Reason.none with an observation, else why there is none");
+      .def_readonly("reason", &ObservationResult::reason, "Reason.none with an observation, else why there is none")
+      .def_property_readonly(
+          "detail", [](const ObservationResult& result) { return to_text(result.refused); },
+          "what a gate compared, e.g. \"reprojection error 7.1 px, at most 3 px\"; empty where it compared no numbers");
   py::class_<LeaderObserver>(m, "LeaderObserver",
                              "Frame in, Observation out. It follows the leader from frame to frame.")
       .def(py::init<const CameraModel&, const CameraMounting&, const LeaderBody&, const LeaderObserverConfig&>(),

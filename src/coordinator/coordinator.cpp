@@ -118,8 +118,8 @@ vision::ObservationResult Coordinator::observe(const Frame& frame) noexcept {
   if (!noiseless_camera_ && check(frame.image) == Reason::none) {
     switch (frozen_.compare(frame.image)) {
       case Repetition::none: break;
-      case Repetition::probable: return {std::nullopt, Reason::picture_repeated};
-      case Repetition::certain: return {std::nullopt, Reason::camera_frozen};
+      case Repetition::probable: return {std::nullopt, Reason::picture_repeated, {}};
+      case Repetition::certain: return {std::nullopt, Reason::camera_frozen, {}};
     }
   }
   return observer_.observe(frame);
@@ -136,12 +136,13 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
                                     std::int64_t age_us) noexcept {
   if (!setpoint_.run) {
     rest(utime);
-    StepResult result{utime, Status::stopped, Reason::stop_requested, seen.observation, std::nullopt, Twist{}};
-    return result;
+    return {utime, Status::stopped, Reason::stop_requested, seen.observation, std::nullopt, Twist{}, {}};
   }
   if (!seen.observation) {
     if (seen.reason == Reason::camera_frozen) rest(utime);  // the last measurement may be as old as the picture
-    return not_measured(utime, seen.reason);
+    StepResult result = not_measured(utime, seen.reason);
+    result.refused = seen.refused;
+    return result;
   }
 
   const control::FollowerOutput control = follower_.follow(*seen.observation, setpoint_);
@@ -157,12 +158,12 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   held_.from = now_;
   held_.until = {later(now_.us, max_age_us_ - age_us)};
   held_.holding = true;
-  return {utime, Status::tracking, Reason::none, seen.observation, control, control.command};
+  return {utime, Status::tracking, Reason::none, seen.observation, control, control.command, {}};
 }
 
 StepResult Coordinator::command_at(MonotonicTime now, Reason reason) const noexcept {
   const HeldAnswer answer = held_.at(now, reason);
-  return {held_.utime, answer.status, answer.reason, std::nullopt, std::nullopt, answer.command};
+  return {held_.utime, answer.status, answer.reason, std::nullopt, std::nullopt, answer.command, {}};
 }
 
 StepResult Coordinator::not_measured(std::int64_t utime, Reason reason) const noexcept {

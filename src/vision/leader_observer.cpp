@@ -83,7 +83,7 @@ ObservationResult LeaderObserver::observe_or_refuse(const Frame& frame, const De
     return observe_frame(frame, found);
   } catch (...) {  // only memory can run out here
     ++rejected_.frames_invalid;
-    return {std::nullopt, Reason::frame_too_large};
+    return {std::nullopt, Reason::frame_too_large, {}};
   }
 }
 
@@ -92,7 +92,7 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
   const Reason defect = why_unusable(image);
   if (defect != Reason::none) {
     ++rejected_.frames_invalid;
-    return {std::nullopt, defect};
+    return {std::nullopt, defect, {}};
   }
   stopwatch_.start();
   Attempt tracked;
@@ -118,7 +118,10 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
   detected.rejected = larger_of_each(detected.rejected, tracked.rejected);
   // A tag tracked up to the edge of the picture is too near to it for the detector: the first reason is the more
   // accurate one.
-  if (detected.reason == Reason::no_tag_found) detected.reason = tracked.reason;
+  if (detected.reason == Reason::no_tag_found) {
+    detected.reason = tracked.reason;
+    detected.refused = tracked.refused;
+  }
   return conclude(frame, detected, std::nullopt);
 }
 
@@ -202,20 +205,23 @@ void LeaderObserver::note_foreign(int id) {
 }
 
 void LeaderObserver::Attempt::add(const TagOutcome<TagMeasurement>& outcome) {
-  if (outcome)
+  if (outcome) {
     tags.push_back(*outcome);
-  else
+  } else if (outcome.refusal != TagRefusal::not_found) {
     reason = rejected.count(outcome.refusal, reason);
+    refused = outcome.refused;
+  }
 }
 
 /// Counts what the attempt refused, if it is the frame's last attempt.
 ObservationResult LeaderObserver::conclude(const Frame& frame, Attempt& attempt,
                                            const std::optional<Eigen::Isometry3d>& predicted_cMo) {
-  ObservationResult result{std::nullopt, attempt.reason};
+  ObservationResult result{std::nullopt, attempt.reason, attempt.refused};
   if (!attempt.tags.empty()) {
     result = measure(frame, attempt, predicted_cMo);
     if (!result.observation) attempt.rejected.count_pose(result.reason);
     attempt.reason = result.reason;
+    attempt.refused = result.refused;
   }
   // A frame is concluded by its last attempt; what an earlier one refused, a later one may have accepted.
   if (result.observation || attempt.found_by == FoundBy::frame) rejected_ = sum_of(rejected_, attempt.rejected);
@@ -227,9 +233,9 @@ ObservationResult LeaderObserver::measure(const Frame& frame, const Attempt& att
   const PoseCandidates found =
       pose_candidates(tracker_.camera(), tracker_.body(), bMc_, attempt.tags, config_.pose, predicted_cMo);
   stopwatch_.lap(Stage::pose);
-  if (found.refusal != Reason::none) return {std::nullopt, found.refusal};
-  if (!track_.is_plausible(found.candidates.front().measurement.pose, frame.utime))
-    return {std::nullopt, Reason::leader_jumped};
+  if (found.verdict.reason != Reason::none) return {std::nullopt, found.verdict.reason, found.verdict.refused};
+  if (const RefusedValue jump = track_.implausible_jump(found.candidates.front().measurement.pose, frame.utime))
+    return {std::nullopt, Reason::leader_jumped, jump};
 
   HeadingFilter heading = heading_;
   const double dt_s = std::max(0.0, track_.seconds_since(frame.utime));  // a clock that was set back is no motion
@@ -237,13 +243,13 @@ ObservationResult LeaderObserver::measure(const Frame& frame, const Attempt& att
   const int degrees_of_freedom = 8 * static_cast<int>(attempt.tags.size()) - 6;
   const FilteredHeading filtered = heading.update(found.candidates, degrees_of_freedom, dt_s);
   stopwatch_.lap(Stage::heading);
-  if (!is_finite(filtered.fused)) return {std::nullopt, Reason::pose_refused};
+  if (!is_finite(filtered.fused)) return {std::nullopt, Reason::pose_refused, {}};
 
   // Accepted: state changes only here.
   const Observation observation = observation_of(frame.utime, attempt.found_by, attempt.tags, found, filtered);
   heading_ = heading;
   track_.update(observation.cMo, observation.measured.pose, attempt.tags.front().appearance, frame.utime);
-  return {observation, Reason::none};
+  return {observation, Reason::none, {}};
 }
 
 }  // namespace pilotfish::vision

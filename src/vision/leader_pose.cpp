@@ -114,19 +114,22 @@ std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const 
   return pose;
 }
 
-Reason check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
-                  const LeaderPoseConfig& config) noexcept {
+PoseVerdict check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
+                       const LeaderPoseConfig& config) noexcept {
   for (const TagMeasurement& measurement : tags) {
     const BodyTag* on_body = body.find(measurement.tag.id);
-    if (on_body == nullptr) return Reason::pose_refused;
+    if (on_body == nullptr) return {Reason::pose_refused, {}};
     const Eigen::Isometry3d cMt = pose.cMo * body_from_tag(*on_body);
     const Eigen::Vector3d middle_c = cMt.translation(), into_wall_c = cMt.linear().col(2);
     const bool printed_side_seen = into_wall_c.dot(middle_c) > 0.0;
-    if (!(middle_c.z() > 0.0) || !printed_side_seen) return Reason::leader_behind_camera;
+    if (!(middle_c.z() > 0.0) || !printed_side_seen) return {Reason::leader_behind_camera, {}};
     const double range_m = middle_c.norm();
-    if (!(range_m >= config.min_distance_m && range_m <= config.max_distance_m)) return Reason::tag_size_implausible;
+    if (!(range_m >= config.min_distance_m && range_m <= config.max_distance_m))
+      return {Reason::tag_size_implausible, {"range", "m", range_m, config.min_distance_m, config.max_distance_m}};
   }
-  return pose.reprojection_error_px <= config.max_reprojection_error_px ? Reason::none : Reason::pose_refused;
+  const double error_px = pose.reprojection_error_px;
+  if (error_px <= config.max_reprojection_error_px) return {};
+  return {Reason::pose_refused, at_most("reprojection error", error_px, config.max_reprojection_error_px, "px")};
 }
 
 }  // namespace pilotfish::vision

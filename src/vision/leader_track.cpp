@@ -26,14 +26,17 @@ std::optional<Eigen::Isometry3d> LeaderTrack::predict(std::int64_t utime) const 
   return se3::exp(dt_s * twist_) * cMo_;
 }
 
-bool LeaderTrack::is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept {
-  if (!seen_) return true;
+RefusedValue LeaderTrack::implausible_jump(const RelativePose& pose, std::int64_t utime) const noexcept {
+  if (!seen_) return {};
   const double dt_s = std::max(0.0, seconds_since(utime));
   const double reach_m = config_.max_relative_speed_mps * dt_s + kSlack_m;
   const double across_m =
       std::abs(wrap_angle(pose.bearing_rad - pose_.bearing_rad)) * std::min(pose.distance_m, pose_.distance_m);
-  return std::abs(pose.distance_m - pose_.distance_m) <= reach_m &&
-         across_m <= reach_m + config_.max_turn_rate_radps * dt_s * pose_.distance_m;
+  const double along_m = std::abs(pose.distance_m - pose_.distance_m);
+  if (!(along_m <= reach_m)) return at_most("jump along the line of sight", along_m, reach_m, "m");
+  const double reach_across_m = reach_m + config_.max_turn_rate_radps * dt_s * pose_.distance_m;
+  if (!(across_m <= reach_across_m)) return at_most("jump across the line of sight", across_m, reach_across_m, "m");
+  return {};
 }
 
 void LeaderTrack::update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,

@@ -45,16 +45,19 @@ PoseCandidates pose_candidates(const CameraModel& camera, const LeaderBody& body
                                const std::optional<Eigen::Isometry3d>& predicted_cMo) noexcept {
   PoseCandidates found;
   const std::optional<LeaderPose> pose = estimate_leader_pose(camera, body, tags, config, predicted_cMo);
-  found.refusal = pose ? check_pose(pose->best, body, tags, config) : Reason::pose_refused;
-  if (found.refusal != Reason::none) return found;
+  if (pose)
+    found.verdict = check_pose(pose->best, body, tags, config);
+  else
+    found.verdict.reason = Reason::pose_refused;
+  if (found.verdict.reason != Reason::none) return found;
 
   found.ambiguity_ratio = pose->ambiguity_ratio;
   found.solutions.push_back(pose->best);
-  if (pose->other && check_pose(*pose->other, body, tags, config) == Reason::none)
+  if (pose->other && check_pose(*pose->other, body, tags, config).reason == Reason::none)
     found.solutions.push_back(*pose->other);
   for (const PoseSolution& solution : found.solutions) {
     found.candidates.push_back({relative_measurement(bMc, solution), solution.squared_error});
-    if (!is_finite(found.candidates.back().measurement)) found.refusal = Reason::pose_refused;
+    if (!is_finite(found.candidates.back().measurement)) found.verdict.reason = Reason::pose_refused;
   }
   return found;
 }

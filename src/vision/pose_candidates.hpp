@@ -8,7 +8,7 @@ namespace pilotfish::vision {
 
 /// The planar solutions of one picture that pass the gates, the better one first, and what each of them says.
 struct PoseCandidates {
-  Reason refusal = Reason::none;                  ///< why there is none
+  PoseVerdict verdict;                            ///< why there is none
   BoundedVector<PoseSolution, 2> solutions;       ///< one or two
   BoundedVector<HeadingCandidate, 2> candidates;  ///< of each solution; all finite
   double ambiguity_ratio = kMaxAmbiguityRatio;    ///< see Observation

@@ -86,12 +86,17 @@ TagPrediction TagTracker::predict(std::size_t tag, const std::array<Eigen::Vecto
   return {tag, homography_from_corners(camera_, corners_px), search_px};
 }
 
+RefusedValue TagTracker::cell_refused(double cell_px) const noexcept {
+  return at_least("side of a cell", cell_px, gates_.min_cell_px, "px");
+}
+
 TagOutcome<Eigen::Matrix3d> TagTracker::search(const ImageView& image, const TagPrediction& prediction) const noexcept {
   const TagPattern& pattern = patterns_[prediction.tag];
   const std::array<Eigen::Vector2d, 4> guess_px = tag_corners_px(camera_, TagWarp(camera_, prediction.nHt));
   for (const Eigen::Vector2d& corner : guess_px)
     if (!(corner.cwiseAbs().maxCoeff() < 1e5)) return TagRefusal::not_found;
-  if (shorter_cell_px(guess_px, pattern.cell_side) < 0.5 * gates_.min_cell_px) return TagRefusal::too_small;
+  const double guess_cell_px = shorter_cell_px(guess_px, pattern.cell_side);
+  if (guess_cell_px < 0.5 * gates_.min_cell_px) return {TagRefusal::too_small, cell_refused(guess_cell_px)};
   const std::optional<Shift> shift = find_shift(image, camera_, pattern, prediction.nHt, prediction.search_px);
   if (!shift) return TagRefusal::outside_frame;
   if (shift->correlation < kMinCorrelation)
@@ -117,23 +122,29 @@ TagOutcome<Registration> TagTracker::align_anywhere(const ImageView& image, std:
                                                     const Appearance& expected) const noexcept {
   const std::optional<Registration> fit = register_tag(image, camera_, patterns_[tag], nHt, expected);
   if (!fit) return TagRefusal::not_found;
-  if (fit->cell_px < gates_.min_cell_px) return TagRefusal::too_small;
+  if (fit->cell_px < gates_.min_cell_px) return {TagRefusal::too_small, cell_refused(fit->cell_px)};
   return *fit;
 }
 
 TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t tag,
                                             const Registration& fit) const noexcept {
   const double blur_px = std::sqrt(std::max(fit.appearance.blur_u_px2, fit.appearance.blur_v_px2));
-  if (blur_px > gates_.max_blur_cells * fit.cell_px) return TagRefusal::too_blurred;
+  const double most_blur_px = gates_.max_blur_cells * fit.cell_px;
+  if (blur_px > most_blur_px) return {TagRefusal::too_blurred, at_most("blur", blur_px, most_blur_px, "px")};
   const TagReading reading = read_tag(image, camera_, patterns_[tag], fit);
   const bool inside = are_inside(image, fit.corners_px);
   if (reading.unread_bits > (inside ? kMaxUnread : kMaxUnreadOutside) * reading.bits)
     return inside ? TagRefusal::hamming : TagRefusal::outside_frame;
-  if (reading.wrong_bits > max_hamming_ || reading.wrong_frame_cells > kWrongFrameCells * reading.frame_cells)
-    return TagRefusal::hamming;
-  if (reading.decision_margin < min_decision_margin_) return TagRefusal::margin;
-  if (fit.residual_rms > gates_.max_normalised_residual * fit.appearance.contrast() || fit.outlier_share > kMaxOutliers)
-    return TagRefusal::residual;
+  if (reading.wrong_bits > max_hamming_)
+    return {TagRefusal::hamming, at_most("wrong bits", reading.wrong_bits, max_hamming_)};
+  if (reading.wrong_frame_cells > kWrongFrameCells * reading.frame_cells) return TagRefusal::hamming;
+  if (reading.decision_margin < min_decision_margin_)
+    return {TagRefusal::margin, at_least("contrast", reading.decision_margin, min_decision_margin_, "gray levels")};
+  const double residual = fit.residual_rms / fit.appearance.contrast();
+  if (!(residual <= gates_.max_normalised_residual))
+    return {TagRefusal::residual, at_most("normalised residual", residual, gates_.max_normalised_residual)};
+  if (fit.outlier_share > kMaxOutliers)
+    return {TagRefusal::residual, at_most("outlier share", fit.outlier_share, kMaxOutliers)};
 
   TagMeasurement measurement;
   measurement.tag = {patterns_[tag].id, reading.wrong_bits, reading.decision_margin, fit.corners_px};
@@ -149,10 +160,10 @@ TagOutcome<TagMeasurement> TagTracker::track(const ImageView& image, const TagPr
   };
   const TagOutcome<Eigen::Matrix3d> start = search(image, prediction);
   lap(Stage::search);
-  if (!start) return start.refusal;
+  if (!start) return {start.refusal, start.refused};
   const TagOutcome<Registration> fit = align_anywhere(image, prediction.tag, *start, expected);
   lap(Stage::align);
-  if (!fit) return fit.refusal;
+  if (!fit) return {fit.refusal, fit.refused};
   // What a search found, it has not seen before; what is followed may be partly outside.
   if (!(prediction.search_px > 0.0) && !are_inside(image, fit->corners_px)) return TagRefusal::outside_frame;
   TagOutcome<TagMeasurement> measured = read(image, prediction.tag, *fit);

@@ -79,7 +79,7 @@ std::optional<Eigen::Isometry3d> pose_from_corners(const CameraModel& camera, co
   measurements.push_back(measurement);
   const vision::LeaderPoseConfig config;
   const auto pose = estimate_leader_pose(camera, body, measurements, config);
-  if (!pose || check_pose(pose->best, body, measurements, config) != Reason::none) return std::nullopt;
+  if (!pose || check_pose(pose->best, body, measurements, config).reason != Reason::none) return std::nullopt;
   return pose->best.cMo * body_from_tag(body.tags.front());
 }
 

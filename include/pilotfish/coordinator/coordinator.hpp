@@ -13,6 +13,7 @@
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/refused_value.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/leader_observer.hpp"
@@ -70,6 +71,7 @@ struct StepResult {
   std::optional<Observation> observation;          ///< only when measured in this very frame
   std::optional<control::FollowerOutput> control;  ///< only when the law ran in this very frame
   Twist command;                                   ///< for the wheels, now
+  RefusedValue refused;                            ///< what goes with the reason, if a gate compared numbers
 };
 
 /// In two parts, so that a replay of recorded observations can omit the second.

@@ -44,7 +44,7 @@ enum class ReasonKind {
   X(frame_time_not_advancing, input, "the frame is not later than the one before")                                    \
   X(frame_stale, input, "the frame was too old when it arrived")                                                      \
   X(stop_requested, observation, "stop requested")                                                                    \
-  X(law_not_finite, observation, "the law's output was not finite")                                                   \
+  X(law_not_finite, observation, "the law failed: it raised, or its output was not finite")                           \
   X(tag_duplicate, observation, "a tag of the leader is seen twice")                                                  \
   X(tag_outside_frame, observation, "a tag of the leader is partly outside the picture")                              \
   X(tag_too_small, observation, "a tag of the leader is too small to be read")                                        \

@@ -7,6 +7,7 @@
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/refused_value.hpp"
 #include "pilotfish/vision/heading_filter.hpp"
 #include "pilotfish/vision/leader_pose.hpp"
 #include "pilotfish/vision/leader_track.hpp"
@@ -47,6 +48,7 @@ struct LeaderObserverConfig {
 struct ObservationResult {
   std::optional<Observation> observation;  ///< Observation of this frame, or nothing
   Reason reason = Reason::none;            ///< Reason.none with an observation, else why there is none
+  RefusedValue refused;                    ///< what the gate compared that refused it, if it compared numbers
 };
 
 /// The entry point of this module: Frame in, Observation out.
@@ -99,6 +101,7 @@ class LeaderObserver {
     FoundBy found_by = FoundBy::frame;
     TagMeasurements tags;
     Reason reason = Reason::no_tag_found;  ///< why there is no more
+    RefusedValue refused;                  ///< what goes with the reason
     RejectionCounters rejected;
     void add(const TagOutcome<TagMeasurement>& outcome);
   };

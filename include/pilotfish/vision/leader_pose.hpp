@@ -8,6 +8,7 @@
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/refused_value.hpp"
 #include "pilotfish/core/se3.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/vision/tag_measurement.hpp"
@@ -54,10 +55,16 @@ std::optional<LeaderPose> estimate_leader_pose(const CameraModel& camera, const 
                                                const TagMeasurements& tags, const LeaderPoseConfig& config,
                                                const std::optional<Eigen::Isometry3d>& guess = std::nullopt) noexcept;
 
+/// What check_pose() says.
+struct PoseVerdict {
+  Reason reason = Reason::none;  ///< none: the pose passes
+  RefusedValue refused;          ///< what the gate compared, if it compared numbers
+};
+
 /// Reason::none if the pose explains the corners well enough, with every tag in front of the camera, its
 /// printed side towards it, and of the size that it must have at its range.
-Reason check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
-                  const LeaderPoseConfig& config) noexcept;
+PoseVerdict check_pose(const PoseSolution& pose, const LeaderBody& body, const TagMeasurements& tags,
+                       const LeaderPoseConfig& config) noexcept;
 
 }  // namespace pilotfish::vision
 PILOTFISH_API_END

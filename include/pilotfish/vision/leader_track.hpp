@@ -7,6 +7,7 @@
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/refused_value.hpp"
 #include "pilotfish/core/se3.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 
@@ -35,9 +36,9 @@ class LeaderTrack {
   /// cMo at that time if the leader was seen within memory_s before; it is extrapolated from the last two
   /// frames.
   std::optional<Eigen::Isometry3d> predict(std::int64_t utime) const noexcept;
-  /// Whether the leader can be there now, given where it was. The plausible region grows with time,
-  /// so that a leader that really was carried away is accepted again.
-  bool is_plausible(const RelativePose& pose, std::int64_t utime) const noexcept;
+  /// How far it has jumped, if the leader cannot be there now, given where it was. The plausible region grows with
+  /// time, so that a leader that really was carried away is accepted again.
+  RefusedValue implausible_jump(const RelativePose& pose, std::int64_t utime) const noexcept;
   double seconds_since(std::int64_t utime) const noexcept;  ///< 0 if it was never seen
 
   /// The leader was measured: its pose, and the appearance of its template.

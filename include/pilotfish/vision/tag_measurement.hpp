@@ -6,6 +6,7 @@
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/refused_value.hpp"
 #include "pilotfish/vision/rejection_counters.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 
@@ -36,12 +37,13 @@ template <class T>
 struct TagOutcome {
   std::optional<T> value;                      ///< nothing if it was refused
   TagRefusal refusal = TagRefusal::not_found;  ///< why
+  RefusedValue refused;                        ///< what the gate compared, if it compared numbers
 
-  TagOutcome(const T& found) : value(found) {}                  ///< a value
-  TagOutcome(TagRefusal why) : refusal(why) {}                  ///< none
-  explicit operator bool() const { return value.has_value(); }  ///< there is one
-  const T& operator*() const { return *value; }                 ///< only if there is one
-  const T* operator->() const { return &*value; }               ///< only if there is one
+  TagOutcome(const T& found) : value(found) {}                                                        ///< a value
+  TagOutcome(TagRefusal why, const RefusedValue& compared = {}) : refusal(why), refused(compared) {}  ///< none
+  explicit operator bool() const { return value.has_value(); }                                        ///< there is one
+  const T& operator*() const { return *value; }    ///< only if there is one
+  const T* operator->() const { return &*value; }  ///< only if there is one
 };
 
 }  // namespace pilotfish::vision

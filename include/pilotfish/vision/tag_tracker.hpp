@@ -84,6 +84,7 @@ class TagTracker {
  private:
   TagOutcome<Registration> align_anywhere(const ImageView& image, std::size_t tag, const Eigen::Matrix3d& nHt,
                                           const Appearance& expected) const noexcept;
+  RefusedValue cell_refused(double cell_px) const noexcept;
 
   CameraModel camera_;
   LeaderBody body_;

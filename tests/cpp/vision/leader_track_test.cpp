@@ -40,7 +40,7 @@ TEST(LeaderTrack, PredictsNothingOfALeaderThatItHasNotSeen) {
   LeaderTrack track({});
   EXPECT_FALSE(track.predict(kSecond_us).has_value());
   EXPECT_EQ(track.seconds_since(kSecond_us), 0.0);
-  EXPECT_TRUE(track.is_plausible({100.0, 3.0, 0.0}, kSecond_us));
+  EXPECT_FALSE(track.implausible_jump({100.0, 3.0, 0.0}, kSecond_us));
 }
 
 TEST(LeaderTrack, ExtrapolatesTheMotionBetweenTheLastTwoFrames) {
@@ -90,13 +90,13 @@ TEST(LeaderTrack, LetsALeaderMoveAsFastAsTheConfigurationSays) {
   // 0.1 s after 2 m: 4 m/s and a slack of 0.1 m are 0.5 m to either side.
   const LeaderTrack track = seen_twice(0.1);
   const std::int64_t utime = 1'200'000;
-  EXPECT_TRUE(track.is_plausible({2.499, 0.1, 0.0}, utime));
-  EXPECT_FALSE(track.is_plausible({2.501, 0.1, 0.0}, utime));
-  EXPECT_TRUE(track.is_plausible({1.501, 0.1, 0.0}, utime));
-  EXPECT_FALSE(track.is_plausible({1.499, 0.1, 0.0}, utime));
+  EXPECT_FALSE(track.implausible_jump({2.499, 0.1, 0.0}, utime));
+  EXPECT_TRUE(track.implausible_jump({2.501, 0.1, 0.0}, utime));
+  EXPECT_FALSE(track.implausible_jump({1.501, 0.1, 0.0}, utime));
+  EXPECT_TRUE(track.implausible_jump({1.499, 0.1, 0.0}, utime));
   // Time that was set back allows the slack alone.
-  EXPECT_TRUE(track.is_plausible({2.099, 0.1, 0.0}, 0));
-  EXPECT_FALSE(track.is_plausible({2.101, 0.1, 0.0}, 0));
+  EXPECT_FALSE(track.implausible_jump({2.099, 0.1, 0.0}, 0));
+  EXPECT_TRUE(track.implausible_jump({2.101, 0.1, 0.0}, 0));
 }
 
 TEST(LeaderTrack, LetsALeaderSweepAcrossAsFastAsTheCoordinatorTurns) {
@@ -104,17 +104,17 @@ TEST(LeaderTrack, LetsALeaderSweepAcrossAsFastAsTheCoordinatorTurns) {
   const LeaderTrack track = seen_twice(0.1);
   const std::int64_t utime = 1'200'000;
   for (const double side : {-1.0, 1.0}) {
-    EXPECT_TRUE(track.is_plausible({2.4, 0.1 + side * 0.649, 0.0}, utime));
-    EXPECT_FALSE(track.is_plausible({2.4, 0.1 + side * 0.651, 0.0}, utime));
-    EXPECT_TRUE(track.is_plausible({1.6, 0.1 + side * (1.3 / 1.6 - 0.001), 0.0}, utime));
-    EXPECT_FALSE(track.is_plausible({1.6, 0.1 + side * (1.3 / 1.6 + 0.001), 0.0}, utime));
+    EXPECT_FALSE(track.implausible_jump({2.4, 0.1 + side * 0.649, 0.0}, utime));
+    EXPECT_TRUE(track.implausible_jump({2.4, 0.1 + side * 0.651, 0.0}, utime));
+    EXPECT_FALSE(track.implausible_jump({1.6, 0.1 + side * (1.3 / 1.6 - 0.001), 0.0}, utime));
+    EXPECT_TRUE(track.implausible_jump({1.6, 0.1 + side * (1.3 / 1.6 + 0.001), 0.0}, utime));
   }
 }
 
 TEST(LeaderTrack, MeasuresTheSweepTheShortWayRound) {
   LeaderTrack track({});
   track.update(moving_at(0.0), {2.0, kPi - 0.01, 0.0}, {}, 0);
-  EXPECT_TRUE(track.is_plausible({2.0, -kPi + 0.01, 0.0}, 0));  // 0.02 rad at 2 m are 0.04 m
+  EXPECT_FALSE(track.implausible_jump({2.0, -kPi + 0.01, 0.0}, 0));  // 0.02 rad at 2 m are 0.04 m
 }
 
 TEST(LeaderTrack, KeepsTheAppearanceOfTheLastFrame) {
@@ -127,7 +127,7 @@ TEST(LeaderTrack, KeepsTheAppearanceOfTheLastFrame) {
   EXPECT_EQ(track.appearance().blur_u_px2, 3.0);
   track.forget();
   EXPECT_FALSE(track.predict(0).has_value());
-  EXPECT_TRUE(track.is_plausible({100.0, 0.0, 0.0}, 0));
+  EXPECT_FALSE(track.implausible_jump({100.0, 0.0, 0.0}, 0));
 }
 
 }  // namespace

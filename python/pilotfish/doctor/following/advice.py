@@ -47,7 +47,7 @@ REASONS: dict[str, tuple[str, str]] = {
         "plug it in again; for pictures that have no noise by design: safety.noiseless_camera: true",
     ),
     "law_not_finite": (
-        "the law gave no finite number",
+        "the law failed: it raised, or gave no finite number",
         "this is a fault of the program or of a law of your own: keep the black box and report it",
     ),
     "internal_error": ("the program failed inside", "journalctl -u 'pilotfish-coordinator@*' -n 50, and restart it"),
