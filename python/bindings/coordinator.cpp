@@ -187,8 +187,8 @@ PYBIND11_MODULE(coordinator, m) {
                         std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
              return raising_law_exceptions([&] {
                const py::gil_scoped_release unlocked;
-               return coordinator.step_observation(utime, {observation, observation ? Reason::none : reason}, {now_us},
-                                                   known_age_us);
+               return coordinator.step_observation(utime, {observation, observation ? Reason::none : reason, {}},
+                                                   {now_us}, known_age_us);
              });
            }),
            "step() without the vision: what was seen in the frame of that time, or None and why.", py::arg("utime"),
