@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
     const MonotonicTime now = monotonic_now();
     const std::int64_t utime = 1'000'000 + now.us;
     const StepResult result =
-        core.step_observation(utime, {seen_at(utime, 2.0 - 0.001 * (k % 100)), Reason::none}, now);
+        core.step_observation(utime, {seen_at(utime, 2.0 - 0.001 * (k % 100)), Reason::none, {}}, now);
     Frame asked;
     asked.utime = utime;
     frame.measure([&] { box.frame(asked, now, result, core); });
