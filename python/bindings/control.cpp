@@ -157,12 +157,23 @@ void bind_anticipation(py::module_& m) {
                      "bearing of the right edge [rad], negative in a forward-looking camera")
       .def_readwrite("left_rad", &FieldOfView::left_rad,
                      "bearing of the left edge [rad], positive in a forward-looking camera");
-  py::class_<Reaction>(m, "Reaction", "What the drive can do, and how long it takes until it begins.")
-      .def(py::init([](const LimitsConfig& limits, double delay_s) {
-             return Reaction{limits, delay_s};
+  py::class_<Reaction>(m, "Reaction", "The drive: its limits, its lag, and how long a command acts.")
+      .def(py::init([](const LimitsConfig& limits, double hold_s, double actuator_lag_s) {
+             return Reaction{limits, hold_s, actuator_lag_s};
            }),
-           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("delay_s") = 0.0,
-           "limits: of the drive; delay_s: latency and lag together [s].");
+           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("hold_s") = 0.0, py::arg("actuator_lag_s") = 0.0,
+           "limits: of the drive; hold_s: how long a command acts before the next one can [s]; actuator_lag_s: with "
+           "which the wheels follow [s].");
+  py::class_<Gap>(m, "Gap", "The gap to the leader when the command acts, if the leader brakes from the exposure on.")
+      .def(py::init(
+               [](double distance_m, double bearing_rad, double distance_sigma_m, double own_mps, double leaving_mps) {
+                 return Gap{distance_m, bearing_rad, distance_sigma_m, own_mps, leaving_mps};
+               }),
+           py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad") = 0.0, py::arg("distance_sigma_m") = 0.0,
+           py::arg("own_mps") = 0.0, py::arg("leaving_mps") = 0.0,
+           "distance_m [m] to where the leader was at the exposure, at bearing_rad [rad]; distance_sigma_m [m]: its "
+           "standard deviation; own_mps [m/s]: the robot's real speed along the line of sight; leaving_mps [m/s]: the "
+           "leader's speed away, negative if it comes.");
   py::class_<Anticipation>(m, "Anticipation", "Output of the law for a predicted leader, before limits.")
       .def_readonly("wanted", &Anticipation::wanted, "Twist: output of the law before limits")
       .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
@@ -170,11 +181,11 @@ void bind_anticipation(py::module_& m) {
         "How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].");
   m.def("anticipate", &anticipate, py::arg("controller"), py::arg("paper"), py::arg("config"), py::arg("leader"),
         py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
-  m.def("guarded_speed", &guarded_speed, py::arg("config"), py::arg("reaction"), py::arg("leader"),
+  m.def("guarded_speed", &guarded_speed, py::arg("config"), py::arg("reaction"), py::arg("gap"),
         "Fastest speed [m/s] along the line of sight with which the robot can still keep d_min; negative: reverse.");
   m.def("eased_speed", &eased_speed, py::arg("config"), py::arg("limits"), py::arg("previous_mps"), py::arg("dt_s"),
         "Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a step in acceleration.");
-  m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("reaction"), py::arg("leader"),
+  m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("limits"), py::arg("leader"),
         py::arg("wanted"), "The nearest twist that keeps the leader in the picture.");
 }
 
@@ -254,6 +265,7 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<HeadingControllerConfig>(m, "HeadingControllerConfig", "Proportional heading controller.");
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
   bind_parameters<GuardConfig>(m, "GuardConfig", "The distance to the leader that no law may go below.");
+  bind_parameters<SpacingConfig>(m, "SpacingConfig", "Spacing that grows with speed, for chains of robots.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
@@ -316,10 +328,13 @@ PYBIND11_MODULE(control, m) {
             named(config, law);
           },
           py::arg("law"), py::arg("parameter"), py::arg("value"), "ValueError names what is out of range or unknown")
-      .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera");
+      .def_readwrite("view", &FollowerConfig::view, "a Coordinator fills it in from its camera")
+      .def_readwrite("hold_s", &FollowerConfig::hold_s,
+                     "how long a command acts, for the guard [s]; a Coordinator fills it in: safety.max_age_s");
 
   py::class_<FollowerOutput>(m, "FollowerOutput", "The command and what the fuzzy law said on the way.")
       .def_readonly("command", &FollowerOutput::command, "Twist within the limits; zero unless reason is none")
+      .def_readonly("setpoint", &FollowerOutput::setpoint, "Setpoint that was kept: with the headway")
       .def_readonly(
           "reason", &FollowerOutput::reason,
           "Reason.law_not_finite if the law's twist, the measurement or the setpoint was no number, else none")

@@ -78,9 +78,9 @@ double eased_speed(const AnticipateConfig& config, const LimitsConfig& limits, d
 ///   b - (left - theta) / T <= w <= b - (right - theta) / T.
 ///
 /// Where that takes more turn rate than the robot has, its own share v sin(theta) / d of b is bounded instead.
-Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const Reaction& reaction,
+Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const LimitsConfig& limits,
                    const LeaderMotion& leader, const Twist& wanted) noexcept {
-  const double most = reaction.limits.max_angular_radps, sine = std::sin(leader.bearing_rad);
+  const double most = limits.max_angular_radps, sine = std::sin(leader.bearing_rad);
   const double d = std::max(leader.distance_m, kMinDistance_m);
   const double to_left = (view.left_rad - leader.bearing_rad) / config.guard_time_s;
   const double to_right = (view.right_rad - leader.bearing_rad) / config.guard_time_s;

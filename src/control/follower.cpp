@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "pilotfish/core/angles.hpp"
@@ -42,6 +43,17 @@ constexpr Twist kNoTwist{std::numeric_limits<double>::quiet_NaN(), std::numeric_
 /// it, and every law here assumes the opposite. So the robot turns to it first.
 Twist turn_first(const Twist& wanted, double bearing_rad) noexcept {
   return std::abs(bearing_rad) < kPi / 2.0 ? wanted : Twist{0.0, wanted.angular_radps};
+}
+
+/// A leader that brakes less hard than the robot would have the gap smallest before both stand; the guard would be
+/// wrong.
+void check_leader_deceleration(const FollowerConfig& config) {
+  const double leader = config.guard.leader_deceleration_mps2, own = config.limits.max_linear_acceleration_mps2;
+  if (leader == 0.0 || leader >= own) return;
+  std::ostringstream problem;
+  problem << leader << " is below control.limits.max_linear_acceleration_mps2, " << own
+          << "; give at least that, or 0 for a leader that may stop dead";
+  throw ConfigError("control.guard.leader_deceleration_mps2", problem.str());
 }
 
 bool are_finite(const Observation& observation, const Setpoint& setpoint) noexcept {
@@ -106,7 +118,7 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), section) != names.end();
   };
-  if (is_one_of({"limits", "guard", "leader_motion", "drive"})) return true;
+  if (is_one_of({"limits", "guard", "spacing", "leader_motion", "drive"})) return true;
   if (config.active_law != kFuzzyLaw) return section == config.active_law;
   return is_one_of({"velocity", "heading"}) ||
          (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_intent"}));
@@ -121,6 +133,7 @@ Follower::Follower(FollowerConfig config)
       latency_s_(config_.drive.latency_s),
       actuator_lag_s_(config_.drive.actuator_lag_s) {
   check_tree(config_, "control");
+  check_leader_deceleration(config_);
   check_law_names(config_);
   for (LawDescription& law : config_.laws)
     for (const LawParameter& parameter : law.parameters) set_parameter(law, parameter.key, parameter.value);
@@ -134,23 +147,25 @@ Follower::Follower(FollowerConfig config)
   if (!other_law_ || !config_.law.rules.consequents.empty()) fuzzy::validate(config_.law);
 }
 
-FollowerOutput Follower::follow(const Observation& observation, const Setpoint& setpoint) {
+FollowerOutput Follower::follow(const Observation& observation, const Setpoint& asked) {
   if (paused_) resume(observation.utime);
   // The first measurement after a rest has no predecessor: ec = 0, and the limits count one control period from
   // standstill.
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   own_.advance_to(observation.utime);
+  const Setpoint setpoint = with_headway(config_.spacing, asked, own_.twist().linear_mps);
   FollowerOutput output;
+  output.setpoint = setpoint;
   Twist wanted_twist = kNoTwist;
   if (are_finite(observation, setpoint)) {
     const std::optional<Prediction> prediction = predict(observation, dt_s);
     output.drive = drive_in_use();
     wanted_twist = wanted(observation, setpoint, prediction, dt_s, output);
-    if (prediction && is_finite(wanted_twist))
-      wanted_twist.linear_mps =
-          std::min(wanted_twist.linear_mps,
-                   guarded_forward_speed(config_.guard, {config_.limits, delay_s()}, prediction->leader));
+    if (is_finite(wanted_twist))
+      wanted_twist.linear_mps = std::min(
+          wanted_twist.linear_mps,
+          guarded_forward_speed(config_.guard, {config_.limits, config_.hold_s, actuator_lag_s_}, gap(observation)));
   }
   last_utime_ = observation.utime;
   if (!is_finite(wanted_twist)) {
@@ -219,12 +234,9 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   Twist wanted;
   wanted.linear_mps = (1.0 - weight) * published.linear_mps + weight * anticipation.wanted.linear_mps;
   wanted.angular_radps = (1.0 - weight) * published.angular_radps + weight * anticipation.wanted.angular_radps;
-  const Reaction reaction{config_.limits, delay_s()};
-  // The leader intent can only make the guard stricter; follow() applies that of the measurement.
-  wanted.linear_mps =
-      std::min({wanted.linear_mps, guarded_forward_speed(config_.guard, reaction, leader),
-                eased_speed(config_.anticipate, config_.limits, last_command_.linear_mps, since_last_command_s(dt_s))});
-  return keep_in_view(config_.anticipate, config_.view, reaction, prediction.leader, wanted);
+  wanted.linear_mps = std::min(wanted.linear_mps, eased_speed(config_.anticipate, config_.limits,
+                                                              last_command_.linear_mps, since_last_command_s(dt_s)));
+  return keep_in_view(config_.anticipate, config_.view, config_.limits, prediction.leader, wanted);
 }
 
 LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept {
@@ -233,6 +245,30 @@ LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept
   return predict_leader(intent_.slowed(leader_.at(since_utime)), motion.manoeuvre_velocity_sigma,
                         motion.manoeuvre_turn_sigma, motion.own_position_sigma,
                         seconds_between(since_utime, effect_utime));
+}
+
+/// From what was measured in this very frame, which shows a leader that has stopped dead before the estimate does.
+Gap Follower::gap(const Observation& observation) const noexcept {
+  const std::int64_t acts = acts_utime(observation.utime);
+  EgoMotion then = own_;
+  then.advance_to(acts);
+  LeaderMotion leader;
+  if (leader_.started()) leader = seen_from(own_.pose(), leader_.at(observation.utime));
+  const double sigmas = config_.guard.safety_sigmas;
+
+  // The measured place in the odometry frame, and from there as the robot will see it.
+  const Pose2 &own = own_.pose(), &there = then.pose();
+  const double towards_rad = own.heading_rad + observation.bearing_rad;
+  const double x = own.x_m + observation.distance_m * std::cos(towards_rad) - there.x_m;
+  const double y = own.y_m + observation.distance_m * std::sin(towards_rad) - there.y_m;
+  Gap gap;
+  gap.bearing_rad = wrap_angle(std::atan2(y, x) - there.heading_rad);
+  gap.leaving_mps =
+      leader.radial_mps > 0.0 ? std::max(leader.radial_mps - sigmas * leader.radial_sigma_mps, 0.0) : leader.radial_mps;
+  gap.distance_m = std::hypot(x, y) + std::min(gap.leaving_mps, 0.0) * seconds_between(observation.utime, acts);
+  gap.distance_sigma_m = std::max(leader.distance_sigma_m, std::sqrt(std::max(observation.covariance(0, 0), 0.0)));
+  gap.own_mps = then.twist().linear_mps * std::cos(gap.bearing_rad);
+  return gap;
 }
 
 std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, latency_s_); }

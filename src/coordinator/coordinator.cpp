@@ -43,6 +43,7 @@ control::FollowerConfig with_view(const CoordinatorConfig& config) {
   control::FollowerConfig control = config.control;
   control.view = field_of_view(config.camera, config.mounting);
   check_view(control.view);
+  control.hold_s = config.safety.max_age_s;
   return control;
 }
 

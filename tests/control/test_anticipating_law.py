@@ -12,7 +12,6 @@ from pilotfish import data as shipped
 
 LAW = fuzzy.load_controller(str(shipped.path("fuzzy/coordination.yaml")))
 PAPER, CONFIG, LIMITS = control.FuzzyVelocityConfig(), control.AnticipateConfig(), control.LimitsConfig()
-REACTION = control.Reaction(limits=LIMITS, delay_s=0.13)
 VIEW = control.FieldOfView(right_rad=-0.49, left_rad=0.49)
 
 distances, bearings, speeds = st.floats(0.3, 3.0), st.floats(-0.45, 0.45), st.floats(-0.4, 0.4)
@@ -149,7 +148,7 @@ def test_in_the_guarded_time_no_leader_leaves_the_picture(d, theta, radial, tang
     rate than there is; and the guard asks for no more turn rate than the limit, nor for more speed than was wanted."""
     motion = leader(d, theta, radial, tangential)
     assume(abs(tangential) / d < 1.0)  # the drive can turn by 2 rad/s
-    kept = control.keep_in_view(CONFIG, VIEW, REACTION, motion, core.Twist(linear_mps=v, angular_radps=w))
+    kept = control.keep_in_view(CONFIG, VIEW, LIMITS, motion, core.Twist(linear_mps=v, angular_radps=w))
     assert 0.0 <= kept.linear_mps <= v
     assert abs(kept.angular_radps) <= max(abs(w), LIMITS.max_angular_radps)
     _, theta_rate = rates(motion, kept)
@@ -160,7 +159,7 @@ def test_in_the_guarded_time_no_leader_leaves_the_picture(d, theta, radial, tang
 def test_at_the_edge_the_guard_turns_the_robot_even_if_the_law_does_not_want_to():
     """On the left edge, b = v sin(theta) / d; the bearing must not grow any more, so w is at least b."""
     motion = leader(0.5, VIEW.left_rad)
-    kept = control.keep_in_view(CONFIG, VIEW, REACTION, motion, core.Twist(linear_mps=0.4, angular_radps=-1.0))
+    kept = control.keep_in_view(CONFIG, VIEW, LIMITS, motion, core.Twist(linear_mps=0.4, angular_radps=-1.0))
     assert kept.linear_mps == 0.4
     assert kept.angular_radps == pytest.approx(0.4 * math.sin(VIEW.left_rad) / 0.5)
 
@@ -170,7 +169,7 @@ def test_at_the_edge_the_guard_turns_the_robot_even_if_the_law_does_not_want_to(
 def test_far_from_the_edges_the_guard_leaves_the_command_alone(d, theta, v):
     b = v * math.sin(theta) / d
     wanted = core.Twist(linear_mps=v, angular_radps=b)  # keeps the bearing
-    kept = control.keep_in_view(CONFIG, VIEW, REACTION, leader(d, theta), wanted)
+    kept = control.keep_in_view(CONFIG, VIEW, LIMITS, leader(d, theta), wanted)
     assert kept == wanted
 
 

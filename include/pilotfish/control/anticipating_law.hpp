@@ -1,7 +1,6 @@
 #pragma once
 
 #include "pilotfish/api.hpp"
-#include "pilotfish/control/collision_guard.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
@@ -59,7 +58,7 @@ double eased_speed(const AnticipateConfig& config, const LimitsConfig& limits, d
 
 /// The nearest twist to `wanted` with which the leader, as predicted, approaches the edge of the picture no faster
 /// than would reach it in guard_time_s.
-Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const Reaction& reaction,
+Twist keep_in_view(const AnticipateConfig& config, const FieldOfView& view, const LimitsConfig& limits,
                    const LeaderMotion& leader, const Twist& wanted) noexcept;
 
 }  // namespace pilotfish::control

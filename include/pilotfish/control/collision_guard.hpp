@@ -1,7 +1,6 @@
 #pragma once
 
 #include "pilotfish/api.hpp"
-#include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
 #include "pilotfish/core/parameter.hpp"
 
@@ -18,20 +17,34 @@ struct GuardConfig {
       "leader, which is computed at load");
   PILOTFISH_PARAMETER(double, safety_sigmas, 3.0, 0.0, 10.0,
                       "for d_min the distance is reduced by this many standard deviations");
+  PILOTFISH_PARAMETER(double, leader_deceleration_mps2, 0.0, 0.0, 100.0,
+                      "the hardest that the leader brakes; 0: it may stop dead. Not less than "
+                      "control.limits.max_linear_acceleration_mps2");
 };
 
-/// The drive: its limits, and the delay until a command takes effect.
+/// The drive: its limits, its lag, and how long a command acts before the next one can.
 struct Reaction {
-  LimitsConfig limits;   ///< what the drive can do
-  double delay_s = 0.0;  ///< latency and lag together
+  LimitsConfig limits;          ///< what the drive can do
+  double hold_s = 0.0;          ///< safety.max_age_s, so that the last picture may be the last for ever
+  double actuator_lag_s = 0.0;  ///< with which the wheels follow
+};
+
+/// The gap to the leader at the moment at which the command acts, if the leader brakes as hard as it can from the
+/// exposure on.
+struct Gap {
+  double distance_m = 0.0;        ///< to where the leader was at the exposure; less what it has come nearer since
+  double bearing_rad = 0.0;       ///< of that place
+  double distance_sigma_m = 0.0;  ///< standard deviation of the distance
+  double own_mps = 0.0;           ///< the robot's real speed along the line of sight then
+  double leaving_mps = 0.0;       ///< the leader's speed away, as surely as it is known; below 0: it comes
 };
 
 /// Fastest speed towards the leader, along the line of sight, from which the robot can still keep d_min: negative where
 /// it must reverse, because the leader comes nearer or is too near already.
-double guarded_speed(const GuardConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept;
+double guarded_speed(const GuardConfig& config, const Reaction& reaction, const Gap& gap) noexcept;
 
 /// The same as a bound on the robot's forward speed, with the leader at a bearing.
-double guarded_forward_speed(const GuardConfig& config, const Reaction& reaction, const LeaderMotion& leader) noexcept;
+double guarded_forward_speed(const GuardConfig& config, const Reaction& reaction, const Gap& gap) noexcept;
 
 }  // namespace pilotfish::control
 PILOTFISH_API_END

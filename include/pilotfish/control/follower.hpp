@@ -9,6 +9,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/anticipating_law.hpp"
+#include "pilotfish/control/collision_guard.hpp"
 #include "pilotfish/control/drive_identifier.hpp"
 #include "pilotfish/control/ego_motion.hpp"
 #include "pilotfish/control/fuzzy_velocity_law.hpp"
@@ -17,6 +18,7 @@
 #include "pilotfish/control/leader_intent.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
 #include "pilotfish/control/limits.hpp"
+#include "pilotfish/control/spacing.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
@@ -43,12 +45,14 @@ struct FollowerConfig {
   HeadingControllerConfig heading;                     ///< of the paper's law
   LimitsConfig limits;                                 ///< of every command
   GuardConfig guard;                                   ///< of every command: the distance that is kept at least
+  SpacingConfig spacing;                               ///< of every law: a distance that grows with speed
   AnticipateConfig anticipate;                         ///< of profile `anticipate`
   LeaderMotionConfig leader_motion;                    ///< how leaders move
   DriveModelConfig drive;                              ///< the wheels' delay
   std::string active_law = kFuzzyLaw;                  ///< or the name of one of `laws`
   std::vector<LawDescription> laws = built_in_laws();  ///< what may drive instead of the fuzzy law
   FieldOfView view;                                    ///< of the camera, for the guard of `anticipate`
+  double hold_s = 0.1;                                 ///< safety.max_age_s, for the guard: how long a command acts
   LeaderIntentConfig leader_intent;                    ///< how the leader intent is used
 
   template <class Visit>
@@ -58,6 +62,7 @@ struct FollowerConfig {
     visit("heading", &C::heading);
     visit("limits", &C::limits);
     visit("guard", &C::guard);
+    visit("spacing", &C::spacing);
     visit("anticipate", &C::anticipate);
     visit("leader_motion", &C::leader_motion);
     visit("drive", &C::drive);
@@ -81,7 +86,8 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
 
 /// A Follower's answer, with its intermediate results.
 struct FollowerOutput {
-  Twist command;  ///< within the limits; zero unless `reason` is none
+  Twist command;      ///< within the limits; zero unless `reason` is none
+  Setpoint setpoint;  ///< that was kept: with the headway
   /// law_not_finite: the law's twist, the measurement or the setpoint was not finite. The law is reset, as by
   /// restart(), and the next follow() starts from rest.
   Reason reason = Reason::none;
@@ -105,7 +111,7 @@ struct FollowerOutput {
 ///               leader_intent --> LeaderIntent: checked against that estimate, may slow the prediction down
 ///                                                 --> blended with the paper's command by feed_forward_weight -->
 ///                                                 kept in view --> limits
-///   any         prediction --> guarded_speed(), an upper bound of the speed before the limits
+///   any         own commands, observation --> Gap --> guarded_speed(), an upper bound of the speed before the limits
 class Follower {
  public:
   /// Throws ConfigError if any parameter is out of range.
@@ -166,6 +172,8 @@ class Follower {
                     const Twist& published, double dt_s, FollowerOutput& output);
   /// The leader when the command has taken effect, slowed down to its intent.
   LeaderEstimate slowed_leader(std::int64_t effect_utime) const noexcept;
+  /// To the leader, as the guard has it, when the command for this frame acts.
+  Gap gap(const Observation& observation) const noexcept;
   std::int64_t acts_utime(std::int64_t utime) const;
 
   FollowerConfig config_;
