@@ -12,6 +12,7 @@
 #include "pilotfish/config/scenario_file.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "play.hpp"
+#include "shipped_scenario.hpp"
 #include "standard_streams.hpp"
 #include "stop_signal.hpp"
 
@@ -24,7 +25,7 @@ int fail(int code, const std::string& problem) {
 }
 
 sim::Scenario load(const SimOptions& options) {
-  sim::Scenario scenario = config::load_scenario(options.scenario_path);
+  sim::Scenario scenario = config::load_scenario(scenario_file(options.scenario_path, data_folders(program_folder())));
   if (options.duration_s) scenario.duration_s = *options.duration_s;
   if (options.seed) scenario.seed = *options.seed;
   return scenario;

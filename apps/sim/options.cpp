@@ -14,14 +14,14 @@ namespace {
 
 constexpr const char* kExamples = R"(
 Examples
-  pilotfish-sim --scenario data/scenarios/line.yaml --record line.csv
+  pilotfish-sim --scenario line --record line.csv
       as fast as the coordinators answer, the same run every time; in another terminal, before or after:
       pilotfish-coordinator --config data/config/line.yaml --simulated-time
-  pilotfish-sim --scenario data/scenarios/circle.yaml --realtime
+  pilotfish-sim --scenario circle --realtime
       at the pace of the clock, to watch with pilotfish-spy or lcm-logger
   pilotfish-sim --scenario data/scenarios/star.yaml --lcm-url 'udpm://239.255.76.67:7700?ttl=0'
       on a bus of its own: another port, which the coordinators need too
-  pilotfish-sim --scenario data/scenarios/line.yaml --realtime --drive-by base
+  pilotfish-sim --scenario line --realtime --drive-by base
       the wheels execute the commands of pilotfish-base --driver simulator, between them and the coordinator
 
 Every robot's true pose goes out on NAME_POSE, every camera's pictures on NAME_IMAGE, with --publish-intent every leader's
@@ -54,7 +54,9 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   CLI::App app{"A world of robots with rendered cameras, as a process on the LCM bus.", "pilotfish-sim"};
   app.footer(kExamples);
   app.set_version_flag("--version", std::string("pilotfish-sim ") + kVersion, "print the version and end");
-  app.add_option("--scenario", options.scenario_path, "what to play, e.g. data/scenarios/line.yaml")->required();
+  app.add_option("--scenario", options.scenario_path,
+                 "what to play: a file, or the name of a shipped one: line, circle, star, ...")
+      ->required();
   app.add_option("--lcm-url", options.lcm_url, "LCM bus. Default: $LCM_DEFAULT_URL, else this host alone");
   auto* real_time = app.add_flag("--realtime", options.real_time,
                                  "pictures at the pace of the clock, delivered after the camera's latency");
