@@ -5,12 +5,12 @@ import subprocess
 import pytest
 
 from pilotfish import data as shipped
-from pilotfish.harness.executables import SIMULATOR, find_executable
+from pilotfish.harness.executables import SIM, find_executable
 from pilotfish.harness.ports import private_lcm_url
 
 
 def simulate(folder, *arguments, **environment):
-    command = [find_executable(SIMULATOR), "--lcm-url", private_lcm_url(), "--wait-s", "0.05", *arguments]
+    command = [find_executable(SIM), "--lcm-url", private_lcm_url(), "--wait-s", "0.05", *arguments]
     return subprocess.run(
         [str(word) for word in command], cwd=folder, env=environment or None, capture_output=True, text=True, timeout=30
     )
