@@ -173,7 +173,12 @@ void bind_anticipation(py::module_& m) {
            py::arg("own_mps") = 0.0, py::arg("leaving_mps") = 0.0,
            "distance_m [m] to where the leader was at the exposure, at bearing_rad [rad]; distance_sigma_m [m]: its "
            "standard deviation; own_mps [m/s]: the robot's real speed along the line of sight; leaving_mps [m/s]: the "
-           "leader's speed away, negative if it comes.");
+           "leader's speed away, negative if it comes.")
+      .def_readwrite("distance_m", &Gap::distance_m, "to where the leader was at the exposure [m]")
+      .def_readwrite("bearing_rad", &Gap::bearing_rad, "of that place [rad]")
+      .def_readwrite("distance_sigma_m", &Gap::distance_sigma_m, "standard deviation of the distance [m]")
+      .def_readwrite("own_mps", &Gap::own_mps, "the robot's real speed along the line of sight then [m/s]")
+      .def_readwrite("leaving_mps", &Gap::leaving_mps, "the leader's speed away [m/s]; negative: it comes");
   py::class_<Anticipation>(m, "Anticipation", "Output of the law for a predicted leader, before limits.")
       .def_readonly("wanted", &Anticipation::wanted, "Twist: output of the law before limits")
       .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
@@ -393,10 +398,10 @@ PYBIND11_MODULE(control, m) {
   make_value(m, "LawDescription", {"name", "text", "parameters", "make"});
   make_value(m, "FollowerConfig", {"law", "laws", "active_law"});
   make_results<Anticipation, VelocityCommand, FollowerOutput>();
-  add_reprs(m, {"LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
-                "VelocityCommand", "FollowerOutput"});
+  add_reprs(m, {"LeaderEstimate", "LeaderMotion", "Gap", "FieldOfView", "Anticipation", "LawParameter",
+                "LawDescription", "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});
   add_repr(m, "FollowerConfig",
-           {"profile", "active_law", "velocity", "heading", "limits", "guard", "anticipate", "leader_motion", "drive",
-            "leader_intent", "view"});
+           {"profile", "active_law", "velocity", "heading", "limits", "guard", "spacing", "anticipate", "leader_motion",
+            "drive", "leader_intent", "view"});
 }
