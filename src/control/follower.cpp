@@ -268,6 +268,7 @@ Gap Follower::gap(const Observation& observation) const noexcept {
   gap.distance_m = std::hypot(x, y) + std::min(gap.leaving_mps, 0.0) * seconds_between(observation.utime, acts);
   gap.distance_sigma_m = std::max(leader.distance_sigma_m, std::sqrt(std::max(observation.covariance(0, 0), 0.0)));
   gap.own_mps = then.twist().linear_mps * std::cos(gap.bearing_rad);
+  gap.set_mps = then.set_value().linear_mps * std::cos(gap.bearing_rad);
   return gap;
 }
 

@@ -22,13 +22,18 @@ LAWS = ("anticipate", "paper", *BASELINES)
 @given(st.floats(0.7, 4.0), st.floats(0.0, 0.05), st.floats(-0.5, 0.5), st.floats(0.0, 0.6))
 def test_from_the_guarded_speed_the_gap_stops_shrinking_at_d_min(distance_m, sigma_m, leaving_mps, own_mps):
     """With c the speed at which the leader comes, the set value stays at v for the hold and then falls to -c; the wheels'
-    lag adds tau (v_0 + c). The gap shrinks by (v + c) H + (v + c)^2 / 2a + tau (v_0 + c), which is the room there is."""
+    lag adds tau (v_0 + c), and a set value s that has to come down to v first (s - v)^2 / 2a. The gap shrinks by
+    (v + c) H + (v + c)^2 / 2a + (s - v)^2 / 2a + tau (v_0 + c), which is the room there is."""
     gap = control.Gap(distance_m=distance_m, distance_sigma_m=sigma_m, own_mps=own_mps, leaving_mps=leaving_mps)
     closing_mps = max(-leaving_mps, 0.0)
     shrinks_mps = control.guarded_speed(GUARD, REACTION, gap) + closing_mps
     room_m = distance_m - GUARD.safety_sigmas * sigma_m - GUARD.minimum_distance_m - LAG_S * (own_mps + closing_mps)
-    if room_m > 0:
-        assert shrinks_mps * HOLD_S + shrinks_mps**2 / (2 * A_MPS2) == pytest.approx(room_m, abs=1e-12)
+    falls_mps = max(closing_mps - shrinks_mps, 0.0)  # the set value was 0
+    if room_m > 0 and falls_mps < A_MPS2 * HOLD_S - 1e-9:
+        needed_m = shrinks_mps * HOLD_S + shrinks_mps**2 / (2 * A_MPS2) + falls_mps**2 / (2 * A_MPS2)
+        assert needed_m == pytest.approx(room_m, abs=1e-12)
+    elif room_m > 0:  # as fast as the set value can fall
+        assert shrinks_mps == pytest.approx(closing_mps - A_MPS2 * HOLD_S, abs=1e-12)
     else:
         assert shrinks_mps == pytest.approx(room_m / 0.5, abs=1e-12)
 
@@ -51,9 +56,12 @@ def fastest_by_linear_programming(gap, steps_s=0.002, horizon_s=1.5):
             line[int(key[1:])] = value
         return line
 
-    for k in range(held):
-        equal.append(row(**{"i0": -1.0, f"i{1 + k}": 1.0}))
-        values.append(0.0)
+    for k in range(held):  # the set value comes down to v, or is there at once
+        come_down = max(gap.set_mps - A_MPS2 * steps_s * k, 0.0)
+        below.append(row(**{"i0": 1.0, f"i{1 + k}": -1.0}))
+        bounds_above.append(0.0)
+        below.append(row(**{f"i{1 + k}": -1.0}))
+        bounds_above.append(-come_down)
     equal.append(row(**{f"i{1 + n}": 1.0}))
     values.append(gap.own_mps)
     for k in range(n):
@@ -75,12 +83,17 @@ def fastest_by_linear_programming(gap, steps_s=0.002, horizon_s=1.5):
 
 
 @pytest.mark.parametrize("distance_m", [0.6, 0.8, 1.2])
-@pytest.mark.parametrize("own_mps", [0.0, 0.3])
-def test_the_guard_allows_what_a_linear_program_finds_and_no_more(distance_m, own_mps):
+@pytest.mark.parametrize(("own_mps", "set_mps"), [(0.0, 0.0), (0.3, 0.0), (0.3, 0.3), (0.4, 0.5)])
+def test_the_guard_allows_what_a_linear_program_finds_and_no_more(distance_m, own_mps, set_mps):
     # 2 ms steps: the sampled ramp covers half a step less or more, v dt / 2 < 1.5 mm of way; at 1 m/s^2 and with a hold
     # of 0.1 s that is less than 1.5 mm / (0.1 s + v / a) = 5 mm/s.
-    gap = control.Gap(distance_m=distance_m, own_mps=own_mps)
-    assert control.guarded_speed(GUARD, REACTION, gap) == pytest.approx(fastest_by_linear_programming(gap), abs=0.005)
+    gap = control.Gap(distance_m=distance_m, own_mps=own_mps, set_mps=set_mps)
+    fastest = fastest_by_linear_programming(gap)
+    allowed = control.guarded_speed(GUARD, REACTION, gap)
+    if fastest is None:  # nothing helps any more: it brakes as hard as it can
+        assert allowed <= set_mps - A_MPS2 * HOLD_S + 1e-9
+    else:
+        assert allowed == pytest.approx(fastest, abs=0.005)
 
 
 @settings(derandomize=True, max_examples=50, deadline=None)
@@ -110,6 +123,7 @@ def test_driven_at_the_bound_the_worst_leader_is_never_nearer_than_d_min(
                 distance_m=gap_m + guard.safety_sigmas * sigma_m,
                 distance_sigma_m=sigma_m,
                 own_mps=wheels,
+                set_mps=set_value,
                 leaving_mps=speed,
             )
             allowed = control.guarded_speed(guard, REACTION, seen)

@@ -10,7 +10,7 @@ using namespace pilotfish;
 using namespace pilotfish::control;
 
 Gap gap(double distance_m, double leaving_mps = 0.0, double bearing_rad = 0.0) {
-  return {distance_m, bearing_rad, 0.0, 0.0, leaving_mps};
+  return {distance_m, bearing_rad, 0.0, 0.0, 0.0, leaving_mps};
 }
 
 Reaction reaction() { return {LimitsConfig{}, 0.1, 0.1}; }
