@@ -27,9 +27,9 @@ constexpr double kRetreat_s = 0.5;  // time constant with which a distance below
 /// y = s + c and r = room - tau (v_0 + c) + v_l^2 / 2b the largest x is
 ///
 ///   -a H + sqrt((a H)^2 + 2 a r)                          where that is at least y, else
-///   ((y - a H) + sqrt((y - a H)^2 - 2 (y^2 - 2 a r))) / 2   where that is at least y - a H, else y - a H:
+///   ((y - a H) + sqrt((y - a H)^2 - 2 (y^2 - 2 a r))) / 2   where that is at least y - a H, else 0:
 ///
-/// less is not possible, because the set value cannot fall by more than a H during the hold.
+/// the set value cannot fall by more than a H during the hold; then nothing fits, and it brakes as hard as it can.
 ///
 /// The gap is smallest at the end, when both stand, because b >= a: whoever brakes harder and earlier is not slower to
 /// shrink it. And once need(v) <= room, the next picture, one period P <= H later, finds a command that fits, too: the
@@ -51,8 +51,8 @@ double guarded_speed(const GuardConfig& config, const Reaction& reaction, const 
   const double at_rest = std::sqrt(held * held + 2.0 * a * room_m) - held, set = gap.set_mps + closing_mps;
   if (at_rest >= set) return at_rest - closing_mps;
   const double slowed = set - held, square = slowed * slowed - 2.0 * (set * set - 2.0 * a * room_m);
-  const double falling = 0.5 * (slowed + std::sqrt(std::max(square, 0.0)));
-  return (square >= 0.0 ? std::max(falling, slowed) : slowed) - closing_mps;
+  const double falling = square >= 0.0 ? 0.5 * (slowed + std::sqrt(square)) : 0.0;
+  return (falling >= slowed ? falling : 0.0) - closing_mps;
 }
 
 /// A forward speed v has the part v cos(theta) along the line of sight.

@@ -164,7 +164,7 @@ def test_one_more_set_never_takes_area_away_nor_adds_more_than_its_own(family, e
 
 def test_heights_of_the_wrong_number_or_size_are_refused():
     variable = make_variable([triangle(-1, 0, 1), triangle(0, 1, 2)])
-    with pytest.raises(ValueError, match="one height for each of the 2 terms, got 1"):
+    with pytest.raises(ValueError, match="term_strengths: one for each of the 2 terms, not 1"):
         fuzzy.clipped_union_moments(variable, [1.0])
     for wrong in (-0.1, 1.1, np.nan):
         with pytest.raises(ValueError, match=r"outside \[0, 1\]"):
