@@ -3,6 +3,7 @@
 #include "arrays.hpp"
 #include "drive_identifier.hpp"
 #include "exclusive.hpp"
+#include "guard.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
 #include "python_law.hpp"
@@ -157,30 +158,6 @@ void bind_anticipation(py::module_& m) {
                      "bearing of the right edge [rad], negative in a forward-looking camera")
       .def_readwrite("left_rad", &FieldOfView::left_rad,
                      "bearing of the left edge [rad], positive in a forward-looking camera");
-  py::class_<Reaction>(m, "Reaction", "The drive: its limits, its lag, and how long a command acts.")
-      .def(py::init([](const LimitsConfig& limits, double hold_s, double actuator_lag_s) {
-             return Reaction{limits, hold_s, actuator_lag_s};
-           }),
-           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("hold_s") = 0.0, py::arg("actuator_lag_s") = 0.0,
-           "limits: of the drive; hold_s: how long a command acts before the next one can [s]; actuator_lag_s: with "
-           "which the wheels follow [s].");
-  py::class_<Gap>(m, "Gap", "The gap to the leader when the command acts, if the leader brakes from the exposure on.")
-      .def(py::init([](double distance_m, double bearing_rad, double distance_sigma_m, double own_mps, double set_mps,
-                       double leaving_mps) {
-             return Gap{distance_m, bearing_rad, distance_sigma_m, own_mps, set_mps, leaving_mps};
-           }),
-           py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad") = 0.0, py::arg("distance_sigma_m") = 0.0,
-           py::arg("own_mps") = 0.0, py::arg("set_mps") = 0.0, py::arg("leaving_mps") = 0.0,
-           "distance_m [m] to where the leader was at the exposure, at bearing_rad [rad]; distance_sigma_m [m]: its "
-           "standard deviation; own_mps [m/s]: the robot's real speed along the line of sight; set_mps [m/s]: "
-           "its drive's set value; leaving_mps [m/s]: the "
-           "leader's speed away, negative if it comes.")
-      .def_readwrite("distance_m", &Gap::distance_m, "to where the leader was at the exposure [m]")
-      .def_readwrite("bearing_rad", &Gap::bearing_rad, "of that place [rad]")
-      .def_readwrite("distance_sigma_m", &Gap::distance_sigma_m, "standard deviation of the distance [m]")
-      .def_readwrite("own_mps", &Gap::own_mps, "the robot's real speed along the line of sight then [m/s]")
-      .def_readwrite("set_mps", &Gap::set_mps, "its drive's set value [m/s]")
-      .def_readwrite("leaving_mps", &Gap::leaving_mps, "the leader's speed away [m/s]; negative: it comes");
   py::class_<Anticipation>(m, "Anticipation", "Output of the law for a predicted leader, before limits.")
       .def_readonly("wanted", &Anticipation::wanted, "Twist: output of the law before limits")
       .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
@@ -188,8 +165,6 @@ void bind_anticipation(py::module_& m) {
         "How much the leader's estimated velocity counts: 1 / (1 + (sigma / half_weight_sigma_mps)^2), in (0, 1].");
   m.def("anticipate", &anticipate, py::arg("controller"), py::arg("paper"), py::arg("config"), py::arg("leader"),
         py::arg("own"), py::arg("setpoint"), "The paper's law around the leader's motion; not yet limited.");
-  m.def("guarded_speed", &guarded_speed, py::arg("config"), py::arg("reaction"), py::arg("gap"),
-        "Fastest speed [m/s] along the line of sight with which the robot can still keep d_min; negative: reverse.");
   m.def("eased_speed", &eased_speed, py::arg("config"), py::arg("limits"), py::arg("previous_mps"), py::arg("dt_s"),
         "Fastest speed a time dt_s after `previous_mps` that approaches the top speed without a step in acceleration.");
   m.def("keep_in_view", &keep_in_view, py::arg("config"), py::arg("view"), py::arg("limits"), py::arg("leader"),
@@ -271,8 +246,6 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<FuzzyVelocityConfig>(m, "FuzzyVelocityConfig", "Physical meaning of the normalised universes.");
   bind_parameters<HeadingControllerConfig>(m, "HeadingControllerConfig", "Proportional heading controller.");
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
-  bind_parameters<GuardConfig>(m, "GuardConfig", "The distance to the leader that no law may go below.");
-  bind_parameters<SpacingConfig>(m, "SpacingConfig", "Spacing that grows with speed, for chains of robots.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
@@ -287,6 +260,7 @@ PYBIND11_MODULE(control, m) {
   bind_estimator(m);
   bind_leader_intent(m);
   bind_drive_identifier(m);
+  bind_guard(m);
   bind_anticipation(m);
 
   py::class_<FollowerConfig> follower_config(m, "FollowerConfig", "Everything a Follower needs.");

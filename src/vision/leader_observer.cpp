@@ -118,10 +118,8 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
   detected.rejected = larger_of_each(detected.rejected, tracked.rejected);
   // A tag tracked up to the edge of the picture is too near to it for the detector: the first reason is the more
   // accurate one.
-  if (detected.reason == Reason::no_tag_found) {
-    detected.reason = tracked.reason;
-    detected.refused = tracked.refused;
-  }
+  if (detected.reason == Reason::no_tag_found) detected.reason = tracked.reason;
+  if (detected.reason == tracked.reason && !detected.refused) detected.refused = tracked.refused;
   return conclude(frame, detected, std::nullopt);
 }
 
