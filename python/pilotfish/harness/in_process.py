@@ -55,11 +55,13 @@ def run_in_process(
     on_progress: OnProgress | None = None,
     on_frame: OnFrame | None = None,
     reports: bool = True,
+    as_configured: bool = False,
 ) -> Run:
     """Plays the scenario: at each exposure every robot takes a picture, steps, and gets the command after its
     latency.
 
-    ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
+    ``profile`` is anything that can drive (see Driving); ``as_configured``: the coordinators' files say so already, with
+    parameters of their own. ``spec`` is another version of the scenario's world: another
     seed, other imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
     nothing is rendered: measurements are drawn. ``feed`` is called before each step, with the robot's name: it
     supplies the coordinator's other inputs, such as odometry. Without ``reports`` the run has none, which saves a
@@ -67,7 +69,7 @@ def run_in_process(
     """
     spec = spec if spec is not None else sim.load_scenario(scenario.file)
     world = sim.World(_without_pictures(spec) if drawn and not on_frame and not feed else spec)
-    driving = Driving(profile, tuning)
+    driving = None if as_configured else Driving(profile, tuning)
     drivers = {robot.name: _coordinator(robot, driving, configure) for robot in scenario.robots}
     answers: dict[str, coordinator.StepResult | None] = dict.fromkeys(drivers)
     rows: dict[str, list[tuple[Any, ...]]] = {name: [] for name in drivers}
@@ -103,9 +105,12 @@ def run_in_process(
     return Run(recordings, reported)
 
 
-def _coordinator(robot: FollowingRobot, driving: Driving, configure: Configure | None) -> coordinator.Coordinator:
+def _coordinator(
+    robot: FollowingRobot, driving: Driving | None, configure: Configure | None
+) -> coordinator.Coordinator:
     config = coordinator.load_coordinator(robot.coordinator_file).coordinator
-    driving.apply(config)
+    if driving:
+        driving.apply(config)
     config.setpoint = robot.setpoint
     if configure:
         configure(config)
