@@ -180,7 +180,7 @@ def _check(campaign: Campaign) -> None:
     total = math.prod(len(factor.values) for factor in names) * campaign.runs
     total *= design.count_samples(campaign.distributed, campaign.sampling)
     if total > design.MAX_RUNS:
-        raise ConfigError(f"these are {total} runs, at most {design.MAX_RUNS} are allowed: fewer values, points or runs")
+        raise ConfigError(f"{total} runs, at most {design.MAX_RUNS} are allowed: fewer values, points or runs")
     for key in campaign.fixed:
         _named(f"set.{key}", lambda key=key: check_key(str(key), campaign.documents, campaign.job.rendered))
     for factor in campaign.factors:

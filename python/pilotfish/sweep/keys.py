@@ -136,9 +136,7 @@ def resolve_file(value: str, folder: Path) -> Path:
 def varied(documents: Documents, settings: Mapping[str, Any]) -> tuple[Documents, dict[str, float]]:
     """A copy in which each key has its value, and the settings of drawn measurements. Files are named by what
     Documents.add_file() returned; hardware counts before single keys, whatever their order."""
-    result = replace(
-        documents, scenario=copy.deepcopy(documents.scenario), configs=copy.deepcopy(documents.configs)
-    )
+    result = replace(documents, scenario=copy.deepcopy(documents.scenario), configs=copy.deepcopy(documents.configs))
     measurements = {}
     law = str(settings.get("law", DEFAULT_LAW))
     for config in result.configs.values():

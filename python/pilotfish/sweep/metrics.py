@@ -18,7 +18,7 @@ class Metric:
     name: str
     unit: str  # as axes show it
     text: str
-    of: Callable[[Recording, Metrics], float]
+    of: Callable[[Recording, Metrics], float | None]
 
 
 def _largest_mm(run: Recording, _: Metrics) -> float:
@@ -39,7 +39,7 @@ METRICS = {
             "settling_s",
             "s",
             "until it stayed within 50 mm of its steady state; missing if it did not",
-            lambda _, m: np.nan if m.settling_time_s is None else m.settling_time_s,
+            lambda _, m: m.settling_time_s,
         ),
         Metric("rms_bearing_deg", "°", f"RMS bearing error, {_STEADY}", lambda _, m: m.rms_bearing_error_deg),
         Metric("mean_bearing_deg", "°", f"mean bearing error, {_STEADY}", lambda _, m: m.mean_bearing_error_deg),
@@ -64,10 +64,10 @@ OUTCOMES = {
 }
 
 
-def figures(recording: Recording, names: tuple[str, ...]) -> dict[str, float]:
-    """The metrics of those names."""
+def figures(recording: Recording, names: tuple[str, ...]) -> dict[str, float | None]:
+    """The metrics of those names; None where the run has no such figure."""
     evaluated = evaluate(recording)
-    return {name: float(METRICS[name].of(recording, evaluated)) for name in names}
+    return {name: METRICS[name].of(recording, evaluated) for name in names}
 
 
 def outcome(recording: Recording, collision_distance_m: float, lost_after_s: float) -> tuple[str, str]:

@@ -105,7 +105,7 @@ def play(job: Job, spec: RunSpec, folder: Path) -> Row:
 
 def failed(job: Job, row: Row, result: str, reason: str) -> Row:
     """The row without figures."""
-    return row | {"outcome": result, "reason": reason} | dict.fromkeys(job.metrics, math.nan)
+    return row | {"outcome": result, "reason": reason} | dict.fromkeys(job.metrics)
 
 
 def record(job: Job, spec: RunSpec, folder: Path) -> Recording:
