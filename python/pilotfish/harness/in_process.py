@@ -60,9 +60,9 @@ def run_in_process(
     """Plays the scenario: at each exposure every robot takes a picture, steps, and gets the command after its
     latency.
 
-    ``profile`` is anything that can drive (see Driving); ``as_configured``: the coordinators' files say so already, with
-    parameters of their own. ``spec`` is another version of the scenario's world: another
-    seed, other imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
+    ``profile`` is anything that can drive (see Driving); ``as_configured``: the coordinators' files say so already,
+    with parameters of their own. ``spec`` is another version of the scenario's world: another seed, other
+    imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
     nothing is rendered: measurements are drawn. ``feed`` is called before each step, with the robot's name: it
     supplies the coordinator's other inputs, such as odometry. Without ``reports`` the run has none, which saves a
     third of the time of a run of drawn measurements.

@@ -177,9 +177,8 @@ def _pair(said: Any, key: str) -> tuple[float, float]:
 
 def _number(said: Any, key: str) -> float:
     if isinstance(said, bool) or not isinstance(said, int | float) or not math.isfinite(said):
-        raise ConfigError(
-            f"{key}: {said!r} is not a finite number" + (" (YAML wants 1.0e-3)" if _looks_like_number(said) else "")
-        )
+        hint = " (YAML wants 1.0e-3, unquoted)" if isinstance(said, str) and _looks_like_number(said) else ""
+        raise ConfigError(f"{key}: {said!r} is not a finite number{hint}")
     return float(said)
 
 

@@ -49,10 +49,11 @@ MEASUREMENTS = {
 # In this process there is no bus and no program around the coordinator.
 _NO_PROGRAM = ("name", "source", "odometry", "leader_intent_from", "key_file", "black_box", "preview")
 # What drawn measurements take from the robots; everything else of a camera or a body is for pictures.
-_DRAWN_CAMERA = re.compile(
+_DRAWN = re.compile(
     r"camera\.(calibration|latency_s|latency_jitter_s|drop_probability|vibration_(rad|deg)|mounting\.position_m(\.2)?)"
+    r"|body\.hidden_(from|until)_s"
 )
-_DRAWN_BODY = re.compile(r"body\.hidden_(from|until)_s")
+_FOR_PICTURES = "no effect on drawn measurements; set `observations: rendered` (some 100 times slower)"
 _SET_BY_CAMPAIGN = {"law", "profile"}
 
 
@@ -96,10 +97,8 @@ def _check_robot(rest: str, documents: Documents, rendered: bool) -> None:
         _check_config(key.removeprefix("config."), documents, name, rendered)
     elif key in ("", "name", "follows", "coordinator"):
         raise ConfigError("cannot be varied; single keys of its coordinator can: robots.NAME.config.KEY")
-    elif key.startswith("camera.") and not rendered and not _DRAWN_CAMERA.fullmatch(key):
-        raise ConfigError("no effect on drawn measurements; set `observations: rendered` (some 100 times slower)")
-    elif key.startswith("body.") and not rendered and not _DRAWN_BODY.fullmatch(key):
-        raise ConfigError("no effect on drawn measurements; set `observations: rendered` (some 100 times slower)")
+    elif key.startswith(("camera.", "body.")) and not rendered and not _DRAWN.fullmatch(key):
+        raise ConfigError(_FOR_PICTURES)
 
 
 def _check_config(key: str, documents: Documents, name: str, rendered: bool) -> None:
@@ -111,7 +110,7 @@ def _check_config(key: str, documents: Documents, name: str, rendered: bool) -> 
     if top == "setpoint" and "setpoint" in documents.robot(name):
         raise ConfigError(f"no effect: the scenario has its own; the key is robots.{name}.{key}")
     if top == "vision" and not rendered:
-        raise ConfigError("no effect on drawn measurements; set `observations: rendered` (some 100 times slower)")
+        raise ConfigError(_FOR_PICTURES)
 
 
 def file_key(key: str) -> bool:

@@ -17,6 +17,7 @@ from pilotfish.sweep.workers import Stopping, Where
 
 OnProgress = Callable[[int, int], None]
 OnStarted = Callable[[str | None], None]
+HERE = Where()
 _FLUSH_S, _FLUSH_ROWS = 3.0, 5000
 
 
@@ -39,7 +40,7 @@ class Summary:
 def run_campaign(
     campaign: Campaign,
     out: Path,
-    where: Where = Where(),
+    where: Where = HERE,
     *,
     on_started: OnStarted | None = None,
     on_progress: OnProgress | None = None,
