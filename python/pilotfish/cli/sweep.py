@@ -44,7 +44,7 @@ app = typer.Typer(
 \b
 Examples
   pilotfish sweep data/sweeps/laws_over_speed.yaml --out out/laws
-  pilotfish sweep plot out/laws --over speed_mps --by law --log
+  pilotfish sweep plot out/laws --over speed_mps --by law --where robot=nonideal
   pilotfish sweep report out/laws --by law
   pilotfish sweep data/sweeps/robot_sensitivity.yaml --out out/robot
   pilotfish sweep sensitivity out/robot
@@ -227,9 +227,7 @@ def _unseen(campaign: Campaign) -> list[str]:
 def _summed_up(summary: Summary, folder: Path) -> str:
     new = sum(summary.outcomes.values())
     if not new:
-        return (
-            f"{folder}: all {summary.total} runs are done" if summary.done == summary.total else f"{folder}: none done"
-        )
+        return f"{folder}: {summary.done} of {summary.total} runs are done"
     how = ", ".join(f"{count} {name}" for name, count in sorted(summary.outcomes.items(), key=lambda item: -item[1]))
     pace = f"{summary.wall_s:.1f} s, {1e3 * summary.cpu_s / new:.0f} ms of processor time a run"
     return f"{folder}: {summary.done} of {summary.total} runs done, {new} now ({how}) in {pace}"

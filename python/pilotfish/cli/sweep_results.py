@@ -31,6 +31,10 @@ PictureOption = Annotated[
 ByOption = Annotated[
     str | None, typer.Option(help="A factor (the end of its name is enough) whose values are compared.")
 ]
+WhereOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="FACTOR=VALUE", help="Only runs of which this is so. Can be repeated."),
+]
 WORST = 5
 
 
@@ -46,6 +50,7 @@ def plot(
     over: Annotated[str, typer.Option(help="The factor on the x axis; the end of its name is enough (speed_mps).")],
     metric: MetricOption = "rms_distance_mm",
     by: ByOption = None,
+    where: WhereOption = None,
     interval: Annotated[
         Interval,
         typer.Option(help="95 % intervals of the mean: Student's t, or percentiles of 2000 resamples (bootstrap)."),
@@ -58,7 +63,7 @@ def plot(
 
     \b
     Examples
-      pilotfish sweep plot out/laws --over speed_mps --by law --log
+      pilotfish sweep plot out/laws --over speed_mps --by law --where robot=nonideal --log
       pilotfish sweep plot out/laws --metric failed_percent --over law
       pilotfish sweep plot out/cameras --over camera.latency_s --by camera --out latency.svg
     """
@@ -68,7 +73,7 @@ def plot(
     from pilotfish.sweep.results import factor_label, metric_label
 
     with friendly_errors():
-        results = _loaded(folder)
+        results = _loaded(folder, where)
         name = results.factor(over)[0]
         drawn = curves(results, metric, over, by, interval.value)
         if not any(curve.intervals for curve in drawn):
@@ -76,7 +81,8 @@ def plot(
         if logarithmic and any(each.mean <= 0.0 for curve in drawn for each in curve.intervals):
             raise typer.BadParameter(f"--log: {metric} is not above 0 everywhere")
         file = _picture(out, folder, f"{metric}_over_{name.rpartition('.')[2]}")
-        title = f"{results.identity['scenario']}: {metric_label(metric).partition(' [')[0]}"
+        only = f" ({', '.join(where)})" if where else ""
+        title = f"{results.identity['scenario']}{only}: {metric_label(metric).partition(' [')[0]}"
         theme = DARK if dark else LIGHT
         figure = draw_sweep(drawn, factor_label(name), metric_label(metric), title, interval.value, logarithmic, theme)
         console.print(f"wrote {save(figure, file)}", soft_wrap=True)
@@ -86,6 +92,7 @@ def sensitivity(
     folder: OutArgument,
     metric: MetricOption = "rms_distance_mm",
     by: ByOption = None,
+    where: WhereOption = None,
     out: PictureOption = None,
     dark: DarkOption = False,
 ) -> None:
@@ -107,7 +114,7 @@ def sensitivity(
     from pilotfish.sweep.sensitivity import sensitivities
 
     with friendly_errors():
-        results = _loaded(folder)
+        results = _loaded(folder, where)
         file = _picture(out, folder, f"sensitivity_{metric}")
         found = sensitivities(results, metric, by)
         what = metric_label(metric).partition(" [")[0]
@@ -132,6 +139,7 @@ def sensitivity(
 def report(
     folder: OutArgument,
     by: ByOption = None,
+    where: WhereOption = None,
     metric: Annotated[
         list[str] | None, typer.Option(help="Figures in the table; can be repeated. Default: four of them.")
     ] = None,
@@ -143,14 +151,14 @@ def report(
 
     \b
     Examples
-      pilotfish sweep report out/laws --by law
+      pilotfish sweep report out/laws --by law --where robot=nonideal
       pilotfish sweep report out/laws --metric rms_distance_mm --metric settling_s
       pilotfish sweep report out/laws --csv laws.csv
     """
     with friendly_errors():
         if csv_file:
             check_writable(csv_file)
-        results = _loaded(folder)
+        results = _loaded(folder, where)
         chosen = metric or [name for name in _USUAL if name in results.metrics] or results.metrics[:4]
         for name in chosen:
             results.metric(name)  # there, or an error
@@ -174,10 +182,10 @@ def report(
 _USUAL = ("rms_distance_mm", "rms_bearing_deg", "rms_jerk_mps3", "failed_percent")
 
 
-def _loaded(folder: Path) -> Results:
+def _loaded(folder: Path, where: list[str] | None) -> Results:
     from pilotfish.sweep.results import load_results
 
-    return load_results(folder)
+    return load_results(folder).where(where or [])
 
 
 def _picture(out: Path | None, folder: Path, stem: str) -> Path:

@@ -52,7 +52,7 @@ def draw_sweep(
         runs = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
         axes.set_ylabel(f"{y_label}\nmean of {runs} runs, {INTERVAL_NAMES[interval]}")
         if len(curves) > 1:
-            axes.legend(loc="best", handlelength=3.5)
+            figure.legend(loc="outside lower center", ncols=min(4, len(curves)), handlelength=3.5)
     return figure
 
 

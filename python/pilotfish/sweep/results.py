@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from pilotfish.sweep.store import read_identity, read_rows
 
 FAILED = "failed_percent"
 _FAILED_TEXT = "runs that collided, lost the leader or could not be simulated"
+_SHOWN = 12
 _UNITS = {
     "_mps": "m/s",
     "_mps2": "m/s²",
@@ -86,6 +88,35 @@ class Results:
         if ends:
             raise ConfigError(f"'{name}' may be any of: {', '.join(ends)}")
         raise ConfigError(f"no factor '{name}'{did_you_mean(name, known)}; there are: {', '.join(known)}")
+
+    def where(self, conditions: Sequence[str]) -> Results:
+        """Only the runs for which each "NAME=VALUE" holds; NAME as in factor(). ConfigError lists the values there are,
+        if none has this one."""
+        mask = np.full(len(self), True)
+        for condition in conditions:
+            name, equals, text = condition.partition("=")
+            if not equals:
+                raise ConfigError(f"--where {condition}: FACTOR=VALUE is wanted")
+            name, values = self.factor(name)
+            if values.dtype.kind in "fi":
+                hits = np.isclose(values, _number(text, condition), rtol=1e-9, atol=0.0)
+            else:
+                hits = values == text
+            if not hits.any():
+                there = list(dict.fromkeys(str(value) for value in values.tolist()))
+                more = f" and {len(there) - _SHOWN} more" if len(there) > _SHOWN else ""
+                raise ConfigError(f"--where {condition}: no run has this; {name} is {', '.join(there[:_SHOWN])}{more}")
+            mask &= hits
+        if not mask.any():
+            raise ConfigError(f"no run has all of --where {', '.join(conditions)}")
+        return Results(self.identity, {name: values[mask] for name, values in self.columns.items()})
+
+
+def _number(text: str, condition: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ConfigError(f"--where {condition}: '{text}' is not a number") from None
 
 
 def load_results(out: Path) -> Results:
