@@ -46,7 +46,7 @@ def draw_sweep(
         if logarithmic:
             axes.set_yscale("log")
         elif all(each.mean >= 0.0 for curve in curves for each in curve.intervals):
-            axes.set_ylim(bottom=0.0)
+            axes.set_ylim(bottom=-0.02 * axes.get_ylim()[1])
         axes.set_xlabel(x_label)
         counts = [each.count for curve in curves for each in curve.intervals]
         runs = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"

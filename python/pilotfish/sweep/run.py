@@ -62,7 +62,8 @@ def run_campaign(
             with workers.opened(where) as (client, dashboard):
                 if on_started:
                     on_started(dashboard)
-                began_s = flushed_s = clock()
+                began_s = clock()
+                flushed_s = began_s - _FLUSH_S  # the first rows at once
                 rows: list[Row] = []
                 try:
                     for played in workers.played(client, campaign.job, specs, stopping):
@@ -71,7 +72,7 @@ def run_campaign(
                         cpu_s += played.cpu_s
                         if on_progress:
                             on_progress(len(done) + sum(outcomes.values()), campaign.count)
-                        if clock() - flushed_s > _FLUSH_S or len(rows) >= _FLUSH_ROWS:
+                        if clock() - flushed_s >= _FLUSH_S or len(rows) >= _FLUSH_ROWS:
                             store.write_part(out, rows, schema)
                             rows, flushed_s = [], clock()
                 finally:

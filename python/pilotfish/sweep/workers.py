@@ -7,14 +7,16 @@ Pilotfish and NumPy, and nothing else: no file, no setting.
 from __future__ import annotations
 
 import logging
+import os
 import pickle
 import platform
 import queue
+import signal
 import time
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -30,6 +32,7 @@ from pilotfish.sweep.play import Job, Played, RunSpec, failed, play_all, seeds
 Stopping = Callable[[], bool]
 _POLL_S = 0.2
 _GONE_S = 30.0
+_CLOSE_S = 10.0
 _AHEAD = 3  # chunks for each thread: enough that none waits for us
 
 
@@ -84,8 +87,8 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
     distributed = require("distributed", "sweep")
     with ExitStack() as stack:
         if where.scheduler is None:
-            cluster = stack.enter_context(
-                distributed.LocalCluster(
+            with _interrupts_held_back():
+                cluster = distributed.LocalCluster(
                     n_workers=where.workers,
                     threads_per_worker=1,
                     processes=True,
@@ -93,11 +96,40 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
                 )
-            )
-            client = stack.enter_context(distributed.Client(cluster))
+            stack.callback(_close_cluster, cluster)
+            client = distributed.Client(cluster, set_as_default=False)
         else:
-            client = stack.enter_context(_connected(distributed, where))
+            client = _connected(distributed, where)
+        stack.callback(_close, client)
         yield client, client.dashboard_link if _has_bokeh() else None
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """A terminal sends Ctrl-C to all processes of a command; this one alone is to act on it, and end the others.
+    Threads and processes inherit the mask of the thread that starts them, so all of the cluster's have it, also workers
+    that are started again later. A signal that comes meanwhile is delivered here afterwards."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _close(what: Any) -> None:
+    """A client or a cluster; what does not end in time is left to the end of this process. Rows are on the disk by now.
+    The scheduler forgets what a client that is gone has asked for."""
+    with suppress(TimeoutError, OSError):
+        what.close(timeout=_CLOSE_S)
+
+
+def _close_cluster(cluster: Any) -> None:
+    """Also processes that do not end by themselves: one that is in the middle of a run, for instance."""
+    processes = [nanny.process.process for nanny in cluster.workers.values() if nanny.process]
+    _close(cluster)
+    for process in processes:
+        if process is not None and process.is_alive():
+            os.kill(process.pid, signal.SIGKILL)
 
 
 def _has_bokeh() -> bool:
@@ -152,20 +184,17 @@ class _Handout:
         self.connected_s = self.counted_s = time.monotonic()
 
     def played(self) -> Iterator[Played]:
-        try:
-            while self.waiting or self.out:
-                self._hand_out()
-                if self.stopping():
-                    return
-                try:
-                    key = self.ready.get(timeout=_POLL_S)
-                except queue.Empty:
-                    self._check_connection()
-                    continue
-                future, specs = self.out.pop(key)
-                yield from self._answer(future, specs)
-        finally:
-            self.client.cancel([future for future, _ in self.out.values()], force=True)
+        while self.waiting or self.out:
+            self._hand_out()
+            if self.stopping():
+                return
+            try:
+                key = self.ready.get(timeout=_POLL_S)
+            except queue.Empty:
+                self._check_connection()
+                continue
+            future, specs = self.out.pop(key)
+            yield from self._answer(future, specs)
 
     def _hand_out(self) -> None:
         now_s = time.monotonic()
