@@ -36,7 +36,6 @@ def free_port() -> int:
         return found.getsockname()[1]
 
 
-@pytest.mark.fault("sweep_worker_killed")
 def test_a_worker_killed_half_way_loses_no_run_and_changes_no_bit(tmp_path):
     campaign = loaded(tmp_path, **MANY)
     run_campaign(campaign, tmp_path / "alone")
@@ -71,7 +70,7 @@ def test_a_worker_killed_half_way_loses_no_run_and_changes_no_bit(tmp_path):
 
 def test_without_a_scheduler_it_says_how_to_start_one(tmp_path):
     where = Where(scheduler=f"tcp://127.0.0.1:{free_port()}", wait_s=0.3)
-    with pytest.raises(CampaignError, match="no scheduler at .*start one with `dask scheduler`"):
+    with pytest.raises(CampaignError, match=r"no scheduler at .*start one with `dask scheduler`"):
         run_campaign(loaded(tmp_path), tmp_path / "out", where)
 
 
@@ -90,8 +89,8 @@ def test_ctrl_c_ends_it_with_130_and_keeps_what_is_done(tmp_path):
     campaign, file = loaded(tmp_path, runs=250), written(tmp_path, runs=250)  # 1000 runs, a minute at least
     out = tmp_path / "out"
     words = [sys.executable, "-m", "pilotfish", "sweep", str(file), "--out", str(out), "--workers", "1"]
-    log = (tmp_path / "log").open("w+")
-    command = subprocess.Popen(words, stdout=log, stderr=log, start_new_session=True)
+    with (tmp_path / "log").open("w") as log:
+        command = subprocess.Popen(words, stdout=log, stderr=log, start_new_session=True)
     try:
         deadline = time.monotonic() + WITHIN_S
         while not ((out / "runs").is_dir() and parts(out)):
@@ -102,8 +101,7 @@ def test_ctrl_c_ends_it_with_130_and_keeps_what_is_done(tmp_path):
     finally:
         if command.poll() is None:
             os.killpg(command.pid, signal.SIGKILL)
-    log.seek(0)
-    said = log.read()
+    said = (tmp_path / "log").read_text()
     assert "Traceback" not in said
     done = int(re.search(r"(\d+) of 1000 runs done", said)[1])
     kept = read_rows(out)
