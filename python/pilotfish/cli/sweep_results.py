@@ -93,16 +93,19 @@ def sensitivity(
     metric: MetricOption = "rms_distance_mm",
     by: ByOption = None,
     where: WhereOption = None,
+    logarithmic: Annotated[
+        bool, typer.Option("--log", help="Of the figure's logarithm, which a few very large values do not rule.")
+    ] = False,
     out: PictureOption = None,
     dark: DarkOption = False,
 ) -> None:
     """Measure how much a figure depends on each factor that was sampled: a table and a picture, with 95 % intervals.
 
-    Campaigns with `sampling: {method: sobol}` get Sobol's first-order and total indices, the others Borgonovo's delta.
+    Campaigns with `sampling: {method: sobol}` get Sobol's first-order and total indices, the others PAWN's.
 
     \b
     Examples
-      pilotfish sweep sensitivity out/robot
+      pilotfish sweep sensitivity out/robot --log
       pilotfish sweep sensitivity out/robot --metric rms_jerk_mps3 --by law --out jerk.pdf
     """
     from rich import box
@@ -116,17 +119,17 @@ def sensitivity(
     with friendly_errors():
         results = _loaded(folder, where)
         file = _picture(out, folder, f"sensitivity_{metric}")
-        found = sensitivities(results, metric, by)
-        what = metric_label(metric).partition(" [")[0]
-        second = "total index" if found[0].method == "sobol" else "delta"
+        found = sensitivities(results, metric, by, logarithmic)
+        what = ("logarithm of the " if logarithmic else "") + metric_label(metric).partition(" [")[0]
+        heads = ["first-order index", "total index"] if found[0].method == "sobol" else ["PAWN index"]
         for each in found:
             title = f"{what}{': ' if each.group else ''}{each.group} ({each.used} points)"
             table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
             table.add_column("factor", overflow="fold")
-            for head in ("first-order index", second):
+            for head in heads:
                 table.add_column(head, justify="right", no_wrap=True)
             for name in sorted(each.total, key=lambda name: -each.total[name].value):
-                pair = (each.first[name], each.total[name])
+                pair = [indices[name] for indices in (each.first, each.total) if indices]
                 table.add_row(name, *(f"{index.value:.3f} ± {index.half_width:.3f}" for index in pair))
             console.print(table)
             if each.left_out:

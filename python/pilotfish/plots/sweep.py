@@ -18,7 +18,7 @@ from pilotfish.sweep.sensitivity import Sensitivity
 _DASHES: tuple[Any, ...] = ("-", (0.0, (7.0, 2.0)), (0.0, (6.0, 1.5, 1.5, 1.5)), (0.0, (1.5, 1.5)))
 _MARKERS = "osD^v<>"
 INTERVAL_NAMES = {"t": "95 % t intervals", "bootstrap": "95 % bootstrap intervals"}
-_METHOD_NAMES = {"sobol": ("first-order index", "total index"), "delta": ("first-order index", "delta (Borgonovo)")}
+_METHOD_NAMES = {"sobol": ("first-order index", "total index"), "pawn": ("", "PAWN index")}
 
 
 def draw_sweep(
@@ -102,6 +102,8 @@ def draw_sensitivity(found: Sequence[Sensitivity], labels: dict[str, str], title
         for axes, each in zip(row, found, strict=True):
             colour = law_colour(each.group, theme) if each.group in (*PROFILES, *BASELINES) else theme.other_law
             for offset, indices, filled, label in ((0.2, each.total, False, total), (-0.2, each.first, True, first)):
+                if not indices:
+                    continue
                 axes.barh(
                     np.arange(len(names)) + offset,
                     [indices[name].value for name in names],

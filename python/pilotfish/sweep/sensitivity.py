@@ -1,8 +1,9 @@
 """Which sampled factors a figure depends on, by SALib; the method is the one that the design allows.
 
 ``sobol`` designs: variance-based indices (Saltelli 2010). The first-order index is the share of the figure's variance
-that a factor explains alone, the total index that in which it takes part. Other samples: Borgonovo's delta, which is 0
-if the figure's distribution does not depend on the factor and at most 1, and the first-order index estimated from it.
+that a factor explains alone, the total index that in which it takes part. Other samples: the PAWN index (Pianosi and
+Wagener 2018), the median over ten slices of a factor's range of the largest distance between the figure's cumulative
+distribution there and that of all runs: at most 1. What has no effect is not at 0: the fewer the runs, the higher.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from pilotfish.extras import require
 from pilotfish.sweep.design import unit_problem
 from pilotfish.sweep.results import Results
 
-RESAMPLES = 200
+RESAMPLES, PAWN_RESAMPLES = 200, 50
+_SLICES = 10
 _FEWEST = 16  # base samples of Sobol's design
 _FEWEST_GIVEN = 60  # samples of any other
 
@@ -32,19 +34,20 @@ class Index:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Of a figure, in one group of runs. ``total`` has total indices, or deltas; see ``method``."""
+    """Of a figure, in one group of runs. ``total`` has total indices, or PAWN's; then ``first`` is empty."""
 
     group: str
-    method: str  # "sobol" or "delta"
+    method: str  # "sobol" or "pawn"
     first: dict[str, Index]
     total: dict[str, Index]
     used: int  # points
     left_out: int  # points without the figure, and with Sobol's design those that belong to them
 
 
-def sensitivities(results: Results, metric: str, by: str | None = None) -> list[Sensitivity]:
+def sensitivities(results: Results, metric: str, by: str | None = None, logarithmic: bool = False) -> list[Sensitivity]:
     """One for each value of ``by``, a listed factor. The figure of a sample is the mean over its runs and over the
-    other listed factors. ConfigError if the design does not allow it or nothing varies."""
+    other listed factors. ``logarithmic``: of the figure's logarithm, which a few very large values do not rule.
+    ConfigError if the design does not allow it or nothing varies."""
     names = [name for name, said in results.factors.items() if said["form"] == "Distributed"]
     sampling = results.identity["sampling"]
     if not names:
@@ -58,13 +61,17 @@ def sensitivities(results: Results, metric: str, by: str | None = None) -> list[
     per_point = sampling["points"] * (len(names) + 2 if sampling["method"] == "sobol" else 1)
     sample = results.columns["point"] % per_point
     values = results.metric(metric)
+    if logarithmic:
+        if np.nanmin(values) <= 0.0:
+            raise ConfigError(f"{metric} is not above 0 in all runs: it has no logarithm")
+        values = np.log10(values)
     inputs = np.column_stack([results.columns[name] for name in names])
     found = []
     for group in dict.fromkeys(groups.tolist()):
         mask = groups == group
         figure, at = _means(values[mask], sample[mask], inputs[mask], per_point)
         label = f"{group:g}" if isinstance(group, float) else str(group)
-        analyse = _sobol if sampling["method"] == "sobol" else _delta
+        analyse = _sobol if sampling["method"] == "sobol" else _pawn
         found.append(analyse(label, metric, names, figure, at))
     return found
 
@@ -102,23 +109,22 @@ def _sobol(group: str, metric: str, names: list[str], figure: np.ndarray, _: np.
     )
 
 
-def _delta(group: str, metric: str, names: list[str], figure: np.ndarray, at: np.ndarray) -> Sensitivity:
+def _pawn(group: str, metric: str, names: list[str], figure: np.ndarray, at: np.ndarray) -> Sensitivity:
+    """Intervals: 1.96 standard deviations of the index over resampled points, as SALib gives Sobol's indices theirs."""
     known = np.isfinite(figure)
-    _check(figure[known], int(known.sum()), _FEWEST_GIVEN, f"{group} {metric}", "points (sampling.points)")
-    delta = require("SALib.analyze.delta", "sweep")
+    count = int(known.sum())
+    _check(figure[known], count, _FEWEST_GIVEN, f"{group} {metric}", "points (sampling.points)")
+    pawn = require("SALib.analyze.pawn", "sweep")
+    x, y = at[known], figure[known]
     problem = unit_problem(names)
-    problem["bounds"] = [[float(column.min()), float(column.max())] for column in at[known].T]
+    problem["bounds"] = [[float(column.min()), float(column.max())] for column in x.T]
+    random = np.random.default_rng(1)
+    drawn = [np.arange(count), *(random.integers(0, count, count) for _ in range(PAWN_RESAMPLES))]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        answer = delta.analyze(problem, at[known], figure[known], num_resamples=RESAMPLES, seed=1)
-    return Sensitivity(
-        group,
-        "delta",
-        _indices(names, answer["S1"], answer["S1_conf"]),
-        _indices(names, answer["delta"], answer["delta_conf"]),
-        int(known.sum()),
-        int((~known).sum()),
-    )
+        medians = np.array([pawn.analyze(problem, x[rows], y[rows], S=_SLICES, seed=1)["median"] for rows in drawn])
+    half_widths = 1.96 * medians[1:].std(axis=0, ddof=1)
+    return Sensitivity(group, "pawn", {}, _indices(names, medians[0], half_widths), count, int((~known).sum()))
 
 
 def _check(figure: np.ndarray, count: int, fewest: int, what: str, of: str) -> None:
