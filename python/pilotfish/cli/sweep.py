@@ -29,11 +29,14 @@ _RUN = "run"
 class _RunByDefault(typer.core.TyperGroup):
     """``pilotfish sweep FILE`` is ``pilotfish sweep run FILE``."""
 
+    def with_default(self, args: list[str]) -> list[str]:
+        """With ``run`` in front of what is no subcommand."""
+        return args if not args or args[0] in self.commands else [_RUN, *args]
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """As click's, with ``run`` in front of what is no subcommand."""
-        if args and args[0] not in self.commands and args[0] not in ctx.help_option_names:
-            args = [_RUN, *args]
-        return super().parse_args(ctx, args)
+        """As click's, with the default."""
+        asks = bool(args) and args[0] in ctx.help_option_names
+        return super().parse_args(ctx, args if asks else self.with_default(args))
 
 
 app = typer.Typer(
