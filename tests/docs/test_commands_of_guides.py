@@ -50,6 +50,8 @@ def parse(words: list[str], folder: Path) -> None:
                 command = command.commands[name]
             command.make_context(name, list(rest))
             return
+        except typer.Exit:  # an option that prints something and ends, as --describe
+            return
         except UsageError as error:
             missing = MISSING.search(error.format_message())
             if not missing:

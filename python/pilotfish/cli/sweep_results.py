@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
     from pilotfish.sweep.results import Results
 
-OutArgument = Annotated[
-    Path, typer.Argument(metavar="OUT", exists=True, file_okay=False, help="The folder of a campaign's results.")
-]
+OutArgument = Annotated[Path, typer.Argument(metavar="OUT", help="The folder of a campaign's results.")]
 MetricOption = Annotated[
     str, typer.Option(help="The figure: a column of the results (`pilotfish sweep --describe`), or failed_percent.")
 ]

@@ -55,7 +55,7 @@ def sensitivities(results: Results, metric: str, by: str | None = None, logarith
             "no factor of this campaign is sampled (uniform, log_uniform, normal), so there is no sensitivity to "
             "measure: `pilotfish sweep plot` shows listed factors"
         )
-    if by in names:
+    if by and results.factor(by)[0] in names:
         raise ConfigError(f"--by {by}: it is sampled; runs are told apart by a listed factor or one of levels")
     groups = results.factor(by)[1] if by else np.full(len(results), "")
     per_point = sampling["points"] * (len(names) + 2 if sampling["method"] == "sobol" else 1)
