@@ -70,6 +70,12 @@ class HarnessError(PilotfishError, RuntimeError):
     exit_code = 70
 
 
+class CampaignError(PilotfishError, RuntimeError):
+    """A campaign that cannot go on: workers that are gone or other, results of another campaign. What is done stays."""
+
+    exit_code = 74
+
+
 class ConfigError(PilotfishError, ValueError):
     """A configuration, scenario or fuzzy controller that cannot be used; the message names the key.
 

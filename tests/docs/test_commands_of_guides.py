@@ -45,8 +45,12 @@ def parse(words: list[str], folder: Path) -> None:
             rest = words
             while hasattr(command, "commands"):
                 name, *rest = rest
+                if hasattr(command, "with_default"):  # `sweep FILE` is `sweep run FILE`
+                    name, *rest = command.with_default([name, *rest])
                 command = command.commands[name]
             command.make_context(name, list(rest))
+            return
+        except typer.Exit:  # an option that prints something and ends, as --describe
             return
         except UsageError as error:
             missing = MISSING.search(error.format_message())

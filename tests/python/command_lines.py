@@ -14,6 +14,7 @@ CALIBRATION = data.path("calibrations/sim_640x480.yaml")
 TUNING = data.path("tuned/pid.yaml")
 LEADER = data.path("leaders/three_faces.yaml")
 SCENARIO = data.path("scenarios/line.yaml")
+CAMPAIGN = data.path("sweeps/laws_over_speed.yaml")
 SHORT = ["--duration-s", "0.5", "--in-process", "--profile", "paper"]
 
 
@@ -84,6 +85,8 @@ COMMANDS = {
         number("--ignore", "3"),
         number("--reference-tag", "0"),
     ],
+    "sweep": ["sweep", read(CAMPAIGN), "--check", number("--workers", "1"), folder()],
+    "sweep's results": ["sweep", "report", Slot("read", "{tmp}/none")],
     "fuzzy show": ["fuzzy", "show", read(LAW)],
     "fuzzy check": ["fuzzy", "check", read(LAW)],
     "fuzzy plot": ["fuzzy", "plot", read(LAW), folder()],

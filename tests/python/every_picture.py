@@ -18,7 +18,10 @@ from pilotfish.plots.overview import Summary, draw_overview
 from pilotfish.plots.paths import draw_paths
 from pilotfish.plots.style import LIGHT, Theme
 from pilotfish.plots.surface import draw_surface
+from pilotfish.plots.sweep import draw_sensitivity, draw_sweep
 from pilotfish.recording import Recording
+from pilotfish.sweep.intervals import Curve, Interval
+from pilotfish.sweep.sensitivity import Index, Sensitivity
 
 LAWS = ("paper", "pbvs", "pid", "anticipate")
 
@@ -45,6 +48,18 @@ def _law() -> fuzzy.Controller:
     return fuzzy.load_controller(data.path("fuzzy/coordination.yaml"))
 
 
+def _campaign(theme: Theme, x: np.ndarray) -> Figure:
+    means = {law: 10.0 * (k + 1) * np.arange(1.0, 4.0) for k, law in enumerate(LAWS)}
+    drawn = [Curve(law, x, [Interval(y, 0.8 * y, 1.2 * y, 5) for y in means[law]]) for law in LAWS]
+    return draw_sweep(drawn, "leader speed [m/s]", "RMS distance error [mm]", "A campaign", theme=theme)
+
+
+def _sensitivities(theme: Theme) -> Figure:
+    total = {name: Index(0.2 * k, 0.05) for k, name in enumerate(("lag", "slip", "latency"), 1)}
+    both = [Sensitivity(law, "sobol", {name: Index(0.1, 0.02) for name in total}, total, 640, 0) for law in LAWS[:2]]
+    return draw_sensitivity(both, {name: f"{name} [s]" for name in total}, "What the error depends on", theme)
+
+
 def _explanation(theme: Theme) -> Figure:
     return draw_explanation(_law(), -0.2, 0.1, fuzzy.InputWidths(error=0.1), theme)
 
@@ -60,6 +75,9 @@ DRAW = {
     "surface": lambda theme: draw_surface(_law(), theme=theme),
     "curve": lambda theme: draw_curve(_law(), analyse(_law()), theme=theme),
     "explanation": _explanation,
+    "campaign over a factor": lambda theme: _campaign(theme, np.array([0.1, 0.2, 0.3])),
+    "campaign over names": lambda theme: _campaign(theme, np.array(["ideal", "late", "nonideal"])),
+    "sensitivities": lambda theme: _sensitivities(theme),
 }
 
 

@@ -25,6 +25,7 @@ from pilotfish.cli.plot import plot
 from pilotfish.cli.render import render
 from pilotfish.cli.replay import replay
 from pilotfish.cli.report import report
+from pilotfish.cli.sweep import app as sweep_app
 from pilotfish.cli.tags import tags
 from pilotfish.cli.top import top
 from pilotfish.cli.tune import tune
@@ -38,6 +39,7 @@ _COMMANDS = {
 }
 _GROUPS = {
     "Set up a robot": {"calibrate": calibrate_app, "leader": leader_app, "key": key_app},
+    "Simulate": {"sweep": sweep_app},
     "The fuzzy law": {"fuzzy": fuzzy_app},
 }
 

@@ -73,6 +73,15 @@ def progress(label: str) -> Iterator[OnProgress]:
 
 
 @contextmanager
+def timed_progress(label: str) -> Iterator[OnProgress]:
+    """The same for work of minutes, with the time that is left."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, TextColumn("left"), console=_errors) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
 def byte_progress(label: str) -> Iterator[OnProgress]:
     """The same for bytes of a file, with the time that is left."""
     columns = (TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TimeRemainingColumn())

@@ -21,13 +21,11 @@ class ObservationNoise:
 
     def covariance(self, distance_m: float) -> np.ndarray:
         """(3, 3), of (distance_m, bearing_rad, heading_rad)."""
-        return np.diag(
-            [
-                (self.distance_sigma_per_m * distance_m**2) ** 2,
-                self.bearing_sigma_rad**2,
-                (self.heading_sigma_rad_per_m * distance_m) ** 2,
-            ]
-        )
+        matrix = np.zeros((3, 3))
+        matrix[0, 0] = (self.distance_sigma_per_m * distance_m**2) ** 2
+        matrix[1, 1] = self.bearing_sigma_rad**2
+        matrix[2, 2] = (self.heading_sigma_rad_per_m * distance_m) ** 2
+        return matrix
 
 
 @dataclass
@@ -41,19 +39,25 @@ class DrawnObservations:
     half_view_rad: float = np.radians(26.0)  # the camera's, less half a tag
     vibration_rad: float = 0.0  # standard deviation of the camera's pitch and of its roll; no covariance claims it
     vibration_hz: float | None = None  # of a sine; None: white, new in every frame
+    drop_probability: float = 0.0  # of a picture never being delivered
 
     def __post_init__(self) -> None:
         self._random = np.random.default_rng(self.seed)
+        self._hidden: tuple[sim.World | None, dict[str, tuple[float, float]]] = (None, {})
+
+    def delivers(self) -> bool:
+        """Whether this picture is delivered; asked once for each, before look()."""
+        return not self.drop_probability or bool(self._random.random() >= self.drop_probability)
 
     def look(self, world: sim.World, robot: str) -> core.Observation | None:
         """What the robot sees now, with drawn errors; None if the leader is hidden or beyond the edge of the view."""
         distance_m, bearing_rad, heading_rad = world.true_relative_pose(robot)
         covariance = self.noise.covariance(distance_m)
-        errors = self.scale * self._random.standard_normal(3) * np.sqrt(np.diag(covariance))
-        errors += self._shaken(world, robot, distance_m)
-        leader = world.scenario.robot(world.scenario.robot(robot).follows)
-        hidden = leader.visibility.hidden_from_s <= world.time_s < leader.visibility.hidden_until_s
-        if hidden or abs(bearing_rad) > self.half_view_rad:
+        errors = self.scale * self._random.standard_normal(3) * np.sqrt(covariance.diagonal())
+        if self.vibration_rad:
+            errors += self._shaken(world, robot, distance_m)
+        hidden_from_s, hidden_until_s = self._hidden_s(world, robot)
+        if hidden_from_s <= world.time_s < hidden_until_s or abs(bearing_rad) > self.half_view_rad:
             return None
         return core.Observation(
             utime=world.utime,
@@ -63,11 +67,20 @@ class DrawnObservations:
             covariance=covariance,
         )
 
+    def _hidden_s(self, world: sim.World, robot: str) -> tuple[float, float]:
+        """From when until when the leader is hidden. Kept, because every access to a scenario copies all its robots."""
+        if self._hidden[0] is not world:
+            self._hidden = (world, {})
+        spans = self._hidden[1]
+        if robot not in spans:
+            scenario = world.scenario
+            seen = scenario.robot(scenario.robot(robot).follows).visibility
+            spans[robot] = (seen.hidden_from_s, seen.hidden_until_s)
+        return spans[robot]
+
     def _shaken(self, world: sim.World, robot: str, distance_m: float) -> np.ndarray:
         """Errors of (d, theta, psi). The origin lies on the ground, h below the camera: a pitch moves it by h times
         that angle along the line of sight, a roll as much across it."""
-        if not self.vibration_rad:
-            return np.zeros(3)
         if self.vibration_hz is None:
             pitch, roll = self.vibration_rad * self._random.standard_normal(2)
         else:  # a sine's standard deviation is its amplitude over sqrt(2); the two are not in step
