@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, warn
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress, warn, working
 from pilotfish.cli.options import between, writable_folder
 from pilotfish.whole_files import check_not_among
 
@@ -110,10 +110,8 @@ def camera(
         found = _look(pictures, detector, model.value, views, every)
         if pictures.kind != calibration.FOLDER:
             calibration.check_film(found)
-        with console.status("fitting") as status:
-            result = calibration.calibrate_camera(
-                found.views, found.size, the_board, model=model.value, on_stage=status.update
-            )
+        with working("fitting") as say:
+            result = calibration.calibrate_camera(found.views, found.size, the_board, model=model.value, on_stage=say)
         print_camera_report(found, result)
         if report:
             from pilotfish.calibration.camera.drawings import save_drawings

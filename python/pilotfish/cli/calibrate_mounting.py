@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress, working
 from pilotfish.cli.learn_body import of_tag, tag_sizes
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 from pilotfish.whole_files import check_not_among, write_whole
@@ -126,7 +126,7 @@ def mounting(
         except BodyLearningError as error:
             raise CalibrationError(str(error)) from error
         phases = _phases(films, utime, film_of, turn_only, backwards)
-        with console.status("finding the mounting"):
+        with working("finding the mounting"):
             result = calibrate_mounting(
                 sightings,
                 model,

@@ -5,8 +5,10 @@ from __future__ import annotations
 import errno
 import os
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,8 @@ from rich.progress import (
     DownloadColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
+    SpinnerColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -26,6 +30,7 @@ from rich.progress import (
 from rich.segment import Segment
 from rich.table import Table
 
+from pilotfish.cli.progress_lines import progress_lines
 from pilotfish.errors import PilotfishError
 from pilotfish.printable import printable
 
@@ -63,21 +68,36 @@ _CLICK_USAGE = 2
 NO_READER = 141  # 128 + SIGPIPE: `| head` has seen enough, as a shell says it
 
 
-@contextmanager
-def progress(label: str) -> Iterator[OnProgress]:
-    """A bar on stderr that the yielded function moves: ``step(done, total)``, total None if unknown."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=_errors) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+def progress(label: str) -> AbstractContextManager[OnProgress]:
+    """A bar on stderr that the yielded function moves: ``step(done, total)``, total None if unknown; with the time so
+    far and the time that is left. Without a terminal: a line every few seconds."""
+    return _progress(label, MofNCompleteColumn(), in_bytes=False)
+
+
+def byte_progress(label: str) -> AbstractContextManager[OnProgress]:
+    """The same for bytes of a file."""
+    return _progress(label, DownloadColumn(), in_bytes=True)
 
 
 @contextmanager
-def byte_progress(label: str) -> Iterator[OnProgress]:
-    """The same for bytes of a file, with the time that is left."""
-    columns = (TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=_errors) as bar:
-        task = bar.add_task(label, total=None)
+def working(label: str) -> Iterator[Callable[[str], None]]:
+    """Work of a length that is not known: its label on stderr with the time so far, on a terminal only. The yielded
+    function changes the label."""
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=_errors, transient=True, disable=not _errors.is_terminal) as spinner:
+        task = spinner.add_task(escape(label), total=None)
+        yield lambda text: spinner.update(task, description=escape(text))
+
+
+@contextmanager
+def _progress(label: str, count: ProgressColumn, *, in_bytes: bool) -> Iterator[OnProgress]:
+    if not _errors.is_terminal:
+        say = partial(_errors.print, markup=False, highlight=False, soft_wrap=True)
+        yield progress_lines(label, say, time.monotonic, in_bytes=in_bytes)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), count, TimeElapsedColumn())
+    with Progress(*columns, TextColumn("eta"), TimeRemainingColumn(), console=_errors) as bar:
+        task = bar.add_task(escape(label), total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress, working
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def learn_body(
                 ignored_ids=frozenset(ignore or ()),
                 on_frame=lambda done: step(done, pictures),
             )
-        with console.status("learning the layout"):
+        with working("learning the layout"):
             learned = body_calibration.learn_body(
                 collected.sightings,
                 model,
@@ -215,12 +215,13 @@ def _base(
 
 def _open(video: Path) -> tuple[FrameSource, int | None]:
     """The frames, and how many there are if that is known beforehand."""
+    from pilotfish.calibration.video_length import pictures_in_video
     from pilotfish.capture import CaptureError, open_images, open_video
     from pilotfish.errors import BodyLearningError
 
     try:
         if not video.is_dir():
-            return open_video(str(video)), None
+            return open_video(str(video)), pictures_in_video(video)
         pictures = sum(
             1 for file in video.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"}
         )

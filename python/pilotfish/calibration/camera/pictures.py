@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pilotfish.calibration.video_length import pictures_in_video
 from pilotfish.capture import PICTURE_SUFFIXES, CaptureError, open_camera, open_video
 from pilotfish.core import Reason
 from pilotfish.errors import CalibrationError, MissingFileError
@@ -66,7 +67,7 @@ def open_pictures(source: str, size: tuple[int, int] = DEFAULT_SIZE, rate_hz: fl
         raise MissingFileError(f"{source}: no such file or folder; a camera is spelled camera:0")
     if path.suffix.lower() in PICTURE_SUFFIXES:
         raise CalibrationError(f"{path}: one picture is not enough; name the folder with all of them")
-    return Pictures(VIDEO, None, _video(path))
+    return Pictures(VIDEO, pictures_in_video(path), _video(path))
 
 
 def _natural(file: Path) -> list[tuple[int, int, str]]:
