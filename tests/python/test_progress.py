@@ -42,8 +42,11 @@ def test_in_a_pipe_a_line_comes_every_few_seconds_with_the_time_that_is_left():
     ]
 
 
-def test_short_work_says_nothing_in_a_pipe():
-    assert said_over(Clock(), [(0.1 * k, k, 40) for k in range(41)]) == []
+def test_in_a_pipe_brief_work_says_nothing_and_work_of_seconds_its_end():
+    assert said_over(Clock(), [(0.01 * k, k, 40) for k in range(41)]) == []
+    assert said_over(Clock(), [(0.1 * k, k, 40) for k in range(41)]) == [
+        "reading: 100% (40 of 40), 0:04 so far, 0:00 left"
+    ]
 
 
 def test_of_unknown_length_the_count_is_said():

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, working
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell, working
 from pilotfish.cli.learn_body import of_tag, tag_sizes
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 from pilotfish.whole_files import check_not_among, write_whole
@@ -146,7 +146,7 @@ def mounting(
         if out:
             out.parent.mkdir(parents=True, exist_ok=True)
             write_whole(out, lines)
-            console.print(f"wrote {out}", soft_wrap=True)
+            tell(f"wrote {out}")
 
 
 def _sightings(films, model, sizes, family, every, ignored):

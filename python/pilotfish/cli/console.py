@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shlex
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -99,6 +100,16 @@ def _progress(label: str, count: ProgressColumn, *, in_bytes: bool) -> Iterator[
     with Progress(*columns, TextColumn("eta"), TimeRemainingColumn(), console=_errors) as bar:
         task = bar.add_task(escape(label), total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def tell(text: str) -> None:
+    """One line on stdout that names files: as it is, whatever brackets and numbers stand in it."""
+    console.print(text, soft_wrap=True, markup=False, highlight=False)
+
+
+def tell_next(purpose: str, *words: str | Path) -> None:
+    """What to do next, and the command for it as a shell takes it: paths may have spaces."""
+    tell(f"next, {purpose}: {shlex.join(map(str, words))}")
 
 
 def print_whole(table: Table, width: int) -> None:

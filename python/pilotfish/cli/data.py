@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, warn
+from pilotfish.cli.console import console, friendly_errors, tell, warn
 
 
 def data(
@@ -47,7 +47,7 @@ def data(
                 typer.echo(str(source))
             return
         for written in _copy(source, copy):
-            console.print(f"wrote {written}", soft_wrap=True, markup=False, highlight=False)
+            tell(f"wrote {written}")
 
 
 def _print(files: list[Path], root: Path) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.console import console, friendly_errors, progress, tell
 from pilotfish.cli.options import (
     DarkOption,
     DurationOption,
@@ -90,7 +90,7 @@ def demo(
             console.print(table)
         pictures = [picture.file for chapter in chapters.values() for picture in chapter]
         for file in [*data, *pictures]:
-            console.print(f"wrote {file}", soft_wrap=True)
+            tell(f"wrote {file}")
         console.print(f"everything on one page: {page}   {page.resolve().as_uri()}", soft_wrap=True)
 
 

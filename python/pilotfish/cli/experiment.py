@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.console import console, friendly_errors, progress, tell
 from pilotfish.cli.options import (
     DarkOption,
     DurationOption,
@@ -93,7 +93,7 @@ def experiment(
                 written += [picture.file for picture in save_comparison(results, into)]
                 step(len(results) + 1, len(results) + 1)
             for file in written:
-                console.print(f"wrote {file}", soft_wrap=True)
+                tell(f"wrote {file}")
 
 
 def _all_drivers(profile: Profiles, law: Law, tuning: Path | None) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import OnProgress, byte_progress, check_writable, console, friendly_errors
+from pilotfish.cli.console import OnProgress, byte_progress, check_writable, friendly_errors, tell
 from pilotfish.whole_files import check_not_among
 
 
@@ -74,7 +74,7 @@ def export(
             else:
                 count = _export(kind, log, out, robot, table.value, images, step)
         what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames"}[kind.value]
-        console.print(f"wrote {out}: {count} {what}", soft_wrap=True)
+        tell(f"wrote {out}: {count} {what}")
 
 
 def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:

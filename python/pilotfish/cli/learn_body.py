@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, working
+from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next, working
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 
 if TYPE_CHECKING:
@@ -146,7 +146,8 @@ def learn_body(
             )
         body_calibration.write_leader_body(output, learned.body, remarks(video.name, learned))
         print_report(collected, learned)
-        console.print(f"wrote {output}", soft_wrap=True)
+        tell(f"wrote {output}")
+        tell_next("to look at it", "pilotfish", "leader", "show", output)
 
 
 def _number(text: str, option: str) -> float:

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, console, friendly_errors, progress
+from pilotfish.cli.console import byte_progress, friendly_errors, progress, tell
 from pilotfish.cli.options import between, writable_folder
 from pilotfish.errors import ConfigError, RecordingError
 
@@ -84,7 +84,7 @@ def plot(
                 f"{file} does not begin as a black box or a file of lcm-logger does"
             )
         for picture in written:
-            console.print(f"wrote {picture}", soft_wrap=True)
+            tell(f"wrote {picture}")
 
 
 def _is_log(file: Path) -> bool:

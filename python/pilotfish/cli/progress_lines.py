@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 EVERY_S = 5.0
+BRIEF_S = 1.0  # work that ends sooner is not worth a line
 
 
 def progress_lines(
@@ -15,21 +16,21 @@ def progress_lines(
     *,
     in_bytes: bool = False,
 ) -> Callable[[int, int | None], None]:
-    """A function of (done, total) that says a line, at most every ``every_s``; work that is shorter says nothing.
+    """A function of (done, total) that says a line, at most every ``every_s``, and one at the end (done = total).
 
-    ``now_s``: a monotonic clock. ``in_bytes``: what is counted are bytes, said as MB. Where a line was said, the end
-    (done = total) is said, too.
+    ``now_s``: a monotonic clock. ``in_bytes``: what is counted are bytes, said as MB. Work that ends within BRIEF_S
+    says nothing.
     """
     began_s = last_s = now_s()
-    has_said = ended = False
+    ended = False
 
     def step(done: int, total: int | None) -> None:
-        nonlocal last_s, has_said, ended
+        nonlocal last_s, ended
         time_s = now_s()
         at_end = total is not None and done >= total
-        if time_s - last_s >= every_s or (at_end and has_said and not ended):
+        if time_s - last_s >= every_s or (at_end and not ended and time_s - began_s >= BRIEF_S):
             say(progress_line(label, done, total, time_s - began_s, in_bytes=in_bytes))
-            last_s, has_said, ended = time_s, True, at_end
+            last_s, ended = time_s, at_end
 
     return step
 

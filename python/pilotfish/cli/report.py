@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, check_writable, console, friendly_errors, warn, working
+from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, tell, warn, working
 from pilotfish.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def report(
         for recording in recordings:
             if recording.damage:
                 warn(f"{recording.path}: {len(recording.damage)} damaged places; the page names them")
-        console.print(f"wrote {out} ({len(text) / 1e6:.1f} MB)", soft_wrap=True)
+        tell(f"wrote {out} ({len(text) / 1e6:.1f} MB)")
 
 
 def _named(recordings: list[Run]) -> list[ReportedRun]:
