@@ -53,6 +53,8 @@ def print_camera_report(found: Found, calibration: CameraCalibration) -> None:
         + _unseen(calibration),
         soft_wrap=True,
     )
+    if other := calibration.other:
+        console.print(f"as {other.model}: RMS {other.rms_px:.3f} px", soft_wrap=True)
     for note in calibration.verdict.notes:
         warn(note)
     grade = calibration.verdict.grade
