@@ -53,8 +53,8 @@ def test_the_right_model_is_not_blamed(model, sigma_px):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_where_both_models_fit_neither_is_blamed(model):
-    """A centred lens of 56 degrees: tan(theta) as a polynomial in theta leaves less than the noise. By chance a normal z
-    is above 3 once in 740 draws, and here there are 5."""
+    """A centred lens of 56 degrees: tan(theta) as a polynomial in theta leaves less than the noise. By chance a normal
+    z is above 3 once in 740 draws, and here there are 5."""
     centred = TrueCamera(distortion=(-0.3, 0.1, 0.0, 0.0, 0.0))
     for seed in range(5):
         views = views_of(CHARUCO, centred, 12, seed, sigma_px=0.05)

@@ -41,7 +41,7 @@ def open_film(path: Path, robot: str = "ROBOT1") -> Film:
     MissingFileError, CalibrationError.
     """
     if not path.exists():
-        raise MissingFileError(f"{path}: no such file or folder")
+        raise MissingFileError(f"{path}: no such file or folder; a camera is spelled camera:0")
     try:
         if is_log(path):
             return _log(path, robot)
