@@ -9,12 +9,17 @@ from typing import Annotated
 
 import typer
 
+from pilotfish.cli.completing import shipped_files
 from pilotfish.cli.console import console, friendly_errors, tell, warn
 
 
 def data(
     path: Annotated[
-        str | None, typer.Argument(help="One of them, e.g. scenarios/line.yaml, or a folder: prints its full path.")
+        str | None,
+        typer.Argument(
+            help="One of them, e.g. scenarios/line.yaml, or a folder: prints its full path.",
+            autocompletion=shipped_files,
+        ),
     ] = None,
     copy: Annotated[
         Path | None,

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pilotfish.cli.completing import experiments
 from pilotfish.cli.console import console, friendly_errors, progress, tell
 from pilotfish.cli.options import (
     DarkOption,
@@ -33,6 +34,7 @@ def experiment(
         str,
         typer.Argument(
             metavar="NAME",
+            autocompletion=experiments,
             help="line (Fig. 6), circle (Fig. 7), both; or any shipped scenario (pilotfish data scenarios), or a file.",
         ),
     ],

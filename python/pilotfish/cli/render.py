@@ -7,12 +7,18 @@ from typing import Annotated
 
 import typer
 
+from pilotfish.cli.completing import shipped_scenarios
 from pilotfish.cli.console import friendly_errors, progress, tell
 from pilotfish.cli.options import Profile, ProfileOption, writable_folder
 
 
 def render(
-    scenario: Annotated[str, typer.Argument(help="A scenario file, or the name of a shipped one (line, circle, ...).")],
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            help="A scenario file, or the name of a shipped one (line, circle, ...).", autocompletion=shipped_scenarios
+        ),
+    ],
     out: Annotated[
         Path,
         typer.Option(
