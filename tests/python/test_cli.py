@@ -284,3 +284,24 @@ def test_a_distance_out_of_bounds_is_refused_before_anybody_is_asked(distance_m)
     result, said = run("setpoint", "robot1", "--distance-m", distance_m)
     assert result.exit_code == 64
     assert f"--distance-m: {distance_m} is outside [0.05, 20]" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        (["view", "--port", "99999"], "99999 is not allowed; from 0 to 65535 is"),
+        (["tune", "pid", "--trials=0"], "0 is not allowed; from 1 to 1000000 is"),
+        (["calibrate", "camera", "x", "--board", "y", "--every", "-3"], "-3 is not allowed; 1 or more is"),
+        (["tune", "nope"], "'law': 'nope' is not one of 'paper', 'anticipate'"),
+    ],
+)
+def test_a_number_out_of_range_is_said_with_the_number_and_its_range(arguments, wrong):
+    result, said = run(*arguments)
+    assert (result.exit_code, wrong in said) == (64, True), said
+
+
+def test_a_file_without_any_event_is_no_recording_to_replay(tmp_path):
+    (tmp_path / "notes.txt").write_text("hello")
+    result, said = run("replay", tmp_path / "notes.txt")
+    assert result.exit_code == 65
+    assert "notes.txt: no event of LCM in it" in said

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from pilotfish.capture import CaptureError, open_camera
 from pilotfish.core import Frame
-from pilotfish.errors import CalibrationError
+from pilotfish.errors import CameraError
 
 
 def camera_number(source: str) -> int | None:
@@ -18,13 +18,13 @@ def camera_number(source: str) -> int | None:
 
 def camera_frames(number: int, size: tuple[int, int], rate_hz: float) -> Iterator[Frame]:
     """Frames of /dev/videoN at ``size`` (width, height) px without end, also those that cannot be decoded
-    (``Frame.defect``). CalibrationError if it cannot be opened, and when it ends."""
+    (``Frame.defect``). CameraError if it cannot be opened, and when it ends."""
     try:
         source = open_camera(number, width=size[0], height=size[1], frame_rate_hz=rate_hz)
     except CaptureError as error:
-        raise CalibrationError(str(error)) from error
+        raise CameraError(str(error)) from error
     while not source.ended:
         frame = source.next()
         if frame is not None:
             yield frame
-    raise CalibrationError(source.why_ended or f"camera:{number} has ended")
+    raise CameraError(source.why_ended or f"camera:{number} has ended")

@@ -60,6 +60,36 @@ class SysexitsGroup(typer.core.TyperGroup):
         except SystemExit as end:
             raise SystemExit(USAGE if end.code == _CLICK_USAGE else end.code) from end
 
+    def invoke(self, ctx: Any) -> Any:
+        """As click's; what is wrong with a number is said with the number and its range."""
+        words = [*getattr(ctx, "_protected_args", ()), *ctx.args]
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            error.message = _said_plainly(error.message, error.param, words)
+            raise
+
+
+def _said_plainly(message: str, param: Any, words: list[str]) -> str:
+    """The message without the words of the library that checks, and for a bounded number its value and its range."""
+    message = message.removeprefix("Value error, ")
+    low, high = getattr(param, "min", None), getattr(param, "max", None)
+    if not message.startswith("Input should be") or (low is None and high is None):
+        return message
+    allowed = f"from {low:g} to {high:g}" if None not in (low, high) else f"{low:g} or more" if high is None else ""
+    value = _value_of(param.opts, words)
+    return f"{value} is not allowed; {allowed or f'{high:g} or less'} is" if value else message
+
+
+def _value_of(options: list[str], words: list[str]) -> str:
+    """What stands behind one of the options on the command line, the last time; empty if that is not found."""
+    found = ""
+    for at, word in enumerate(words):
+        name, equals, value = word.partition("=")
+        if name in options:
+            found = value if equals else "".join(words[at + 1 : at + 2])
+    return found
+
 
 OnProgress = Callable[[int, int | None], None]
 
