@@ -1,12 +1,15 @@
 """A lens that is fitted with the wrong model: its RMS error is small, and the verdict says all the same that the other
 model fits better."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from board_views import CHARUCO, SIZE, views_of
 from rendered_boards import TrueCamera, TrueFisheye
 
 from pilotfish.calibration.camera import MODELS, calibrate_camera, compare_models, fit_best
+from pilotfish.calibration.camera.verdict import judge
 
 # A pinhole lens that is not centred (p1, p2), for which the fisheye model has no parameters; and a lens of 150 degrees.
 PINHOLE = TrueCamera(distortion=(-0.3, 0.1, 0.001, -0.002, 0.03))
@@ -41,6 +44,16 @@ def test_a_tenth_of_a_pixel_that_looks_good_by_itself_is_not():
     assert alone.unseen.rms_px < 0.15
     others = [reason for reason in alone.verdict.reasons if "--model" not in reason]
     assert not any("RMS" in reason for reason in others)
+
+
+@pytest.mark.parametrize("side", ["left/right", "up/down"])
+def test_the_other_model_is_named_also_where_views_are_tilted_to_one_side_only(side):
+    """Each reason stands for itself."""
+    result = calibrate_camera(seen_by("pinhole", 5, 0.005), SIZE, CHARUCO, model="fisheye")
+    one_sided = dataclasses.replace(result.tilts, sides=(side,))
+    verdict = judge(result.fit, result.known, result.coverage, one_sided, 0.0, 0.5, other=result.other)
+    assert any("to one side only" in reason for reason in verdict.reasons)
+    assert any("--model pinhole" in reason for reason in verdict.reasons)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -27,7 +27,19 @@ COMMANDS = sorted({(page, command) for page in PAGES for command in page_command
 UsageError = typer.BadParameter.__base__  # typer's own copy of click, or click's
 CPP_PROGRAMS = ("pilotfish-coordinator", "pilotfish-base", "pilotfish-sim")
 # Of the system, of LCM, of the repository; docs/library.md's and examples' builds run in tests/library.
-OTHERS = {"sudo", "sudoedit", "systemctl", "journalctl", "pip", "cmake", "lcm-logger", "lcm-logplayer", "."}
+OTHERS = {
+    "sudo",
+    "sudoedit",
+    "systemctl",
+    "journalctl",
+    "pip",
+    "python",
+    "cmake",
+    "man",
+    "lcm-logger",
+    "lcm-logplayer",
+    ".",
+}
 MISSING = re.compile(r"'([^']+)' does not exist")
 
 

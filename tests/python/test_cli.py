@@ -1,5 +1,6 @@
 """The command line: what it teaches, what it says when something is wrong, what it leaves behind."""
 
+import itertools
 import json
 import re
 
@@ -305,3 +306,16 @@ def test_a_file_without_any_event_is_no_recording_to_replay(tmp_path):
     result, said = run("replay", tmp_path / "notes.txt")
     assert result.exit_code == 65
     assert "notes.txt: no event of LCM in it" in said
+
+
+@pytest.mark.parametrize("columns", [70, 110])
+@pytest.mark.parametrize("command", ["view", "doctor"])
+def test_running_text_of_a_help_is_wrapped_at_the_terminal_s_width_alone(command, columns):
+    """A line ends where its next word would not have fitted: never in the middle of the width."""
+    shown = runner.invoke(app, [command, "--help"], env={"COLUMNS": str(columns)}, terminal_width=columns).output
+    lines = [line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", shown).splitlines()]
+    text = lines[1 + next(at for at, line in enumerate(lines) if line.startswith("Usage")) : lines.index("Examples")]
+    wrapped = [(line, after) for line, after in itertools.pairwise(text) if line and after]
+    assert wrapped
+    for line, after in wrapped:
+        assert len(line) + 1 + len(after.split()[0]) > columns - 3, (line, after)

@@ -89,8 +89,8 @@ def judge(
             tilts.tilted, TILTED_VIEWS, f"{count} tilted views ({TILTED_DEG:.0f} degrees or more): {uncertain}"
         )
     elif len(tilts.sides) < 2:
-        other = "up/down" if tilts.sides == ("left/right",) else "left/right"
-        judge_.at_least(0, (1, 0), f"tilted views to one side only: tilt the board {other}, too")
+        missing = "up/down" if tilts.sides == ("left/right",) else "left/right"
+        judge_.at_least(0, (1, 0), f"tilted views to one side only: tilt the board {missing}, too")
     judge_.at_most(focal, FOCAL_SHARE, f"{uncertain}: more tilted views (20 to 45 degrees), nearer ones")
     centre = float(max(sigma[2], sigma[3]))
     judge_.at_most(
