@@ -33,7 +33,6 @@ OTHERS = {
     "systemctl",
     "journalctl",
     "pip",
-    "python",
     "cmake",
     "man",
     "lcm-logger",
@@ -57,6 +56,9 @@ def parse(words: list[str], folder: Path) -> None:
             rest = words
             while hasattr(command, "commands"):
                 name, *rest = rest
+                if name.startswith("-"):  # an option of the program itself
+                    assert any(name in option.opts for option in command.params), name
+                    return
                 command = command.commands[name]
             command.make_context(name, list(rest))
             return
@@ -80,6 +82,8 @@ def test_every_command_of_a_guide_is_one_that_its_program_takes(page, command, t
     elif program in CPP_PROGRAMS:
         known = set(re.findall(r"--[a-z-]+", help_of(program)))
         assert {word for word in words if word.startswith("--")} <= known
+    elif program == "python" and words[0] == "-m":
+        assert (ROOT / "python" / words[1].replace(".", "/")).with_suffix(".py").is_file()
     elif program == "python":  # an example; tests/ros runs those of docs/ros.md
         assert words[0].startswith("examples/") and (ROOT / words[0]).is_file()
     elif program.startswith("scripts/"):
@@ -88,9 +92,11 @@ def test_every_command_of_a_guide_is_one_that_its_program_takes(page, command, t
         assert program in OTHERS, f"{page}: who tests {program}?"
 
 
-@pytest.mark.parametrize("line", ["view --camra 0", "view --tag-size 9", "calibrate lens", "leader check"])
+@pytest.mark.parametrize(
+    "line", ["--install-complete", "view --camra 0", "view --tag-size 9", "calibrate lens", "leader check"]
+)
 def test_a_command_line_that_is_wrong_would_be_found(line, tmp_path):
-    with pytest.raises((UsageError, KeyError)):
+    with pytest.raises((UsageError, KeyError, AssertionError)):
         parse(line.split(), tmp_path)
 
 

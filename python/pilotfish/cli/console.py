@@ -76,9 +76,15 @@ def _said_plainly(message: str, param: Any, words: list[str]) -> str:
     low, high = getattr(param, "min", None), getattr(param, "max", None)
     if not message.startswith("Input should be") or (low is None and high is None):
         return message
-    allowed = f"from {low:g} to {high:g}" if None not in (low, high) else f"{low:g} or more" if high is None else ""
     value = _value_of(param.opts, words)
-    return f"{value} is not allowed; {allowed or f'{high:g} or less'} is" if value else message
+    return f"{value} is not allowed; {_range_text(low, high)} is" if value else message
+
+
+def _range_text(low: float | None, high: float | None) -> str:
+    """The allowed range in words; one of its ends is known."""
+    if low is None:
+        return f"{high:.10g} or less"
+    return f"{low:.10g} or more" if high is None else f"from {low:.10g} to {high:.10g}"
 
 
 def _value_of(options: list[str], words: list[str]) -> str:

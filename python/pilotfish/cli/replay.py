@@ -43,9 +43,9 @@ def replay(
     from pilotfish.logs.sources import events_of, size_of
 
     with friendly_errors():
+        files = files_in(log, robot)
+        _check_recorded(log, files)
         try:
-            files = files_in(log, robot)
-            _check_recorded(log, files)
             with byte_progress("replaying") as step:
                 events = events_of(files, 0, size_of(files), step)
                 report = compute(events, from_pixels=from_pixels)
