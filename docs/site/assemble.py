@@ -109,11 +109,12 @@ def document_page(path: str) -> str:
 
 
 def linked(page: str) -> list[str]:
-    """The files and folders of the repository that a page links to."""
+    """The files and folders of the repository that a page links to; of a folder that has a README.md, that."""
     if not page.endswith(".md"):
         return []
     inside = (target for target in targets((ROOT / page).read_text()) if not is_outside(target))
-    return [resolved(page, target)[0] for target in inside]
+    paths = (resolved(page, target)[0] for target in inside)
+    return [f"{path}/README.md" if (ROOT / path / "README.md").is_file() else path for path in paths]
 
 
 def broken_links() -> list[str]:

@@ -28,6 +28,13 @@ class CalibrationError(PilotfishError, ValueError):
     exit_code = 65
 
 
+class CameraError(CalibrationError):
+    """A camera that cannot be opened, or that has ended; the message says which cameras there are. Retrying may
+    help."""
+
+    exit_code = 69
+
+
 class MissingFileError(PilotfishError, FileNotFoundError):
     """A file or shipped data file that is not there."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -9,21 +10,42 @@ from pathlib import Path
 
 from pilotfish.errors import ExistsError
 
+_ENDING = ".part"
+
 
 @contextmanager
 def written_whole(file: Path) -> Iterator[Path]:
-    """Where to write: beside ``file``, which it becomes at the end. On an error, or Ctrl-C, nothing of it stays."""
+    """Where to write: beside ``file``, which it becomes at the end. On an error, or Ctrl-C, nothing of it stays; what a
+    killed process has left of the same file is removed by the next that writes it."""
     if os.path.lexists(file) and not file.is_file():
         yield file  # a device or a pipe: nothing to replace
         return
     file.parent.mkdir(parents=True, exist_ok=True)
-    partial = file.with_name(f".{file.name}.{os.getpid()}.part")
-    try:
-        yield partial
-        partial.replace(file)
-    finally:
-        with suppress(FileNotFoundError):
-            partial.unlink()
+    _remove_abandoned(file)
+    partial = file.with_name(f".{file.name}.{os.getpid()}{_ENDING}")
+    with partial.open("wb") as mine:  # its lock tells others that somebody still writes there
+        with suppress(OSError):
+            fcntl.flock(mine, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        try:
+            yield partial
+            partial.replace(file)
+        finally:
+            with suppress(FileNotFoundError):
+                partial.unlink()
+
+
+def _remove_abandoned(file: Path) -> None:
+    """Removes partial files of ``file`` that no process holds: the system releases a lock when its holder dies."""
+    with suppress(OSError):  # a folder that cannot be listed
+        for other in file.parent.iterdir():
+            begin, end = f".{file.name}.", _ENDING
+            if not (other.name.startswith(begin) and other.name.endswith(end)):
+                continue
+            if not other.name[len(begin) : -len(end)].isdecimal() or other.is_symlink():
+                continue
+            with suppress(OSError), other.open("rb") as held:  # another's, or of a file system without locks
+                fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                other.unlink()
 
 
 def write_whole(file: str | Path, text: str) -> None:

@@ -257,9 +257,17 @@ def test_the_command_line_says_what_was_compared_and_ends_with_one_if_a_bit_diff
 
 
 def test_nothing_to_compare_is_no_agreement(tmp_path):
-    (tmp_path / "robot1-1-0.lcmlog").write_bytes(b"nothing of the kind")
+    log = lcm.EventLog(str(tmp_path / "robot1-1-0.lcmlog"), "w", overwrite=True)
+    log.write_event(1, "SOMEBODY_ELSE", b"")
+    log.close()
     result = CliRunner().invoke(app, ["replay", str(tmp_path), "--assert"])
     assert result.exit_code == 1 and "nothing to compare" in result.output
+
+
+def test_what_is_no_recording_is_refused(tmp_path):
+    (tmp_path / "robot1-1-0.lcmlog").write_bytes(b"nothing of the kind")
+    result = CliRunner().invoke(app, ["replay", str(tmp_path), "--assert"])
+    assert result.exit_code == 65 and "no event of LCM in it" in result.output
 
 
 def test_the_configuration_comes_out_of_the_log_alone(tmp_path):

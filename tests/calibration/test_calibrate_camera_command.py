@@ -115,11 +115,11 @@ def test_a_bad_calibration_is_not_written_unless_wanted(folder, tmp_path):
         (["PICTURES", "--board", "no_board.yaml"], 66, "no_board.yaml"),
         (["PICTURES", "--board", "charuco:7x5:30mm:22mm"], 65, "another board"),
         (["PICTURES", "--board", BOARD, "--size", "640"], 64, "WIDTHxHEIGHT"),
-        (["PICTURES", "--board", BOARD, "--views", "3"], 64, "greater than or equal to 4"),
+        (["PICTURES", "--board", BOARD, "--views", "3"], 64, "3 is not allowed; from 4 to 500 is"),
         (["PICTURES", "--board", BOARD, "--model", "mirror"], 64, "pinhole"),
         (["EMPTY", "--board", BOARD], 65, "no picture in this folder"),
         (["PICTURES/0.png", "--board", BOARD], 65, "one picture is not enough"),
-        (["camera:93", "--board", BOARD], 65, "/dev/video93"),
+        (["camera:93", "--board", BOARD], 69, "/dev/video93"),
     ],
 )
 def test_what_is_wrong_is_said(folder, tmp_path, arguments, exit_code, wrong):

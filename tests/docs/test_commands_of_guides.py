@@ -27,7 +27,18 @@ COMMANDS = sorted({(page, command) for page in PAGES for command in page_command
 UsageError = typer.BadParameter.__base__  # typer's own copy of click, or click's
 CPP_PROGRAMS = ("pilotfish-coordinator", "pilotfish-base", "pilotfish-sim")
 # Of the system, of LCM, of the repository; docs/library.md's and examples' builds run in tests/library.
-OTHERS = {"sudo", "sudoedit", "systemctl", "journalctl", "pip", "cmake", "lcm-logger", "lcm-logplayer", "."}
+OTHERS = {
+    "sudo",
+    "sudoedit",
+    "systemctl",
+    "journalctl",
+    "pip",
+    "cmake",
+    "man",
+    "lcm-logger",
+    "lcm-logplayer",
+    ".",
+}
 MISSING = re.compile(r"'([^']+)' does not exist")
 
 
@@ -45,6 +56,9 @@ def parse(words: list[str], folder: Path) -> None:
             rest = words
             while hasattr(command, "commands"):
                 name, *rest = rest
+                if name.startswith("-"):  # an option of the program itself
+                    assert any(name in option.opts for option in command.params), name
+                    return
                 if hasattr(command, "with_default"):  # `sweep FILE` is `sweep run FILE`
                     name, *rest = command.with_default([name, *rest])
                 command = command.commands[name]
@@ -72,6 +86,8 @@ def test_every_command_of_a_guide_is_one_that_its_program_takes(page, command, t
     elif program in CPP_PROGRAMS:
         known = set(re.findall(r"--[a-z-]+", help_of(program)))
         assert {word for word in words if word.startswith("--")} <= known
+    elif program == "python" and words[0] == "-m":
+        assert (ROOT / "python" / words[1].replace(".", "/")).with_suffix(".py").is_file()
     elif program == "python":  # an example; tests/ros runs those of docs/ros.md
         assert words[0].startswith("examples/") and (ROOT / words[0]).is_file()
     elif program.startswith("scripts/"):
@@ -80,9 +96,11 @@ def test_every_command_of_a_guide_is_one_that_its_program_takes(page, command, t
         assert program in OTHERS, f"{page}: who tests {program}?"
 
 
-@pytest.mark.parametrize("line", ["view --camra 0", "view --tag-size 9", "calibrate lens", "leader check"])
+@pytest.mark.parametrize(
+    "line", ["--install-complete", "view --camra 0", "view --tag-size 9", "calibrate lens", "leader check"]
+)
 def test_a_command_line_that_is_wrong_would_be_found(line, tmp_path):
-    with pytest.raises((UsageError, KeyError)):
+    with pytest.raises((UsageError, KeyError, AssertionError)):
         parse(line.split(), tmp_path)
 
 

@@ -85,15 +85,44 @@ def test_every_guide_is_listed_in_the_index():
     assert guides - listed == set()
 
 
-def test_adapted_links_lead_to_pages_of_the_site():
-    pages = assemble.pages()
+def dead_links(pages: dict[str, str]) -> list[tuple[str, str]]:
+    """(page, target) of every link in the site's sources that leads to none of them, pages of folders included."""
     pictures = {f"images/{path.name}" for path in (ROOT / "docs/images").iterdir()}
-    for page, text in pages.items():
-        if not page.endswith(".md") or "orphan: true" in text:
-            continue
-        for target in markdown_links.targets(text):
-            if not markdown_links.is_outside(target):
-                assert markdown_links.resolved(page, target)[0] in set(pages) | pictures, (page, target)
+    return [
+        (page, target)
+        for page, text in pages.items()
+        if page.endswith(".md")
+        for target in markdown_links.targets(text)
+        if not markdown_links.is_outside(target)
+        and markdown_links.resolved(page, target)[0] not in set(pages) | pictures
+    ]
+
+
+def test_adapted_links_lead_to_pages_of_the_site():
+    assert dead_links(assemble.pages()) == []
+
+
+@pytest.mark.parametrize(
+    "target", ["../examples/ros2", "../examples/ros2/", "../examples", "../data/scenarios", "../bench/"]
+)
+def test_a_link_to_a_folder_leads_to_its_readme_or_to_a_list_of_its_files(target, monkeypatch):
+    """A folder that has a README.md of its own and is not listed among the documents had a page with dead links."""
+    before, linked = assemble.pages(), assemble.linked
+    said = f"[x]({target})\n"
+    ((folder, _),) = [markdown_links.resolved("docs/tutorial.md", found) for found in markdown_links.targets(said)]
+    readme = f"{folder}/README.md"
+    with_it = readme if (ROOT / readme).is_file() else folder
+    read_text = Path.read_text
+
+    def with_link(path, *how, **more):
+        return read_text(path, *how, **more) + (said if path.name == "tutorial.md" else "")
+
+    monkeypatch.setattr(Path, "read_text", with_link)
+    after = assemble.pages()
+    assert dead_links(after) == []
+    assert assemble.place(with_it) in after
+    assert set(before) <= set(after)
+    assert with_it in linked("docs/tutorial.md")
 
 
 def test_every_picture_is_shown_by_a_page():

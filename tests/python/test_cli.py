@@ -1,5 +1,6 @@
 """The command line: what it teaches, what it says when something is wrong, what it leaves behind."""
 
+import itertools
 import json
 import re
 
@@ -201,7 +202,7 @@ def test_an_experiment_prints_its_table_and_leaves_its_files(tmp_path):
 def test_an_experiment_can_be_played_with_a_nonideal_robot():
     result, said = run("experiment", "line", "--robot", "nonideal", "--in-process", "--duration-s", "1")
     assert result.exit_code == 0, said
-    assert "non-ideal robot" in said
+    assert "non-ideal" in said
 
 
 @pytest.mark.parametrize("law", ["pbvs", "pid"])
@@ -284,3 +285,37 @@ def test_a_distance_out_of_bounds_is_refused_before_anybody_is_asked(distance_m)
     result, said = run("setpoint", "robot1", "--distance-m", distance_m)
     assert result.exit_code == 64
     assert f"--distance-m: {distance_m} is outside [0.05, 20]" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        (["view", "--port", "99999"], "99999 is not allowed; from 0 to 65535 is"),
+        (["tune", "pid", "--trials=0"], "0 is not allowed; from 1 to 1000000 is"),
+        (["calibrate", "camera", "x", "--board", "y", "--every", "-3"], "-3 is not allowed; 1 or more is"),
+        (["tune", "nope"], "'law': 'nope' is not one of 'paper', 'anticipate'"),
+    ],
+)
+def test_a_number_out_of_range_is_said_with_the_number_and_its_range(arguments, wrong):
+    result, said = run(*arguments)
+    assert (result.exit_code, wrong in said) == (64, True), said
+
+
+def test_a_file_without_any_event_is_no_recording_to_replay(tmp_path):
+    (tmp_path / "notes.txt").write_text("hello")
+    result, said = run("replay", tmp_path / "notes.txt")
+    assert result.exit_code == 65
+    assert "notes.txt: no event of LCM in it" in said
+
+
+@pytest.mark.parametrize("columns", [70, 110])
+@pytest.mark.parametrize("command", ["view", "doctor"])
+def test_running_text_of_a_help_is_wrapped_at_the_terminal_s_width_alone(command, columns):
+    """A line ends where its next word would not have fitted: never in the middle of the width."""
+    shown = runner.invoke(app, [command, "--help"], env={"COLUMNS": str(columns)}, terminal_width=columns).output
+    lines = [line.strip() for line in re.sub(r"\x1b\[[0-9;]*m", "", shown).splitlines()]
+    text = lines[1 + next(at for at, line in enumerate(lines) if line.startswith("Usage")) : lines.index("Examples")]
+    wrapped = [(line, after) for line, after in itertools.pairwise(text) if line and after]
+    assert wrapped
+    for line, after in wrapped:
+        assert len(line) + 1 + len(after.split()[0]) > columns - 3, (line, after)

@@ -2,6 +2,8 @@
 
 import resource
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -112,3 +114,53 @@ def test_a_recording_on_a_disk_that_takes_nothing_is_said_at_once_and_at_the_end
     assert done.returncode == 0, said
     assert "the recording loses events, the disk refuses them: File too large" in said
     assert "the recording is not whole: " in said
+
+
+HOLD = """
+import sys, time
+from pathlib import Path
+from pilotfish.whole_files import written_whole
+with written_whole(Path(sys.argv[1])) as partial:
+    partial.write_text("half")
+    print(partial, flush=True)
+    sys.stdin.read()
+"""
+
+
+def half_written(file):
+    """A process that has begun to write, and the partial file that it writes to."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(file)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    return process, Path(process.stdout.readline().strip())
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_that_writes_the_file(tmp_path):
+    file = tmp_path / "run [1].mcap"
+    process, partial = half_written(file)
+    with process:
+        process.kill()
+    assert partial.read_text() == "half"
+    write_whole(file, "whole")
+    assert file.read_text() == "whole"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_what_another_process_is_still_writing_is_left_alone(tmp_path):
+    file = tmp_path / "run.mcap"
+    process, partial = half_written(file)
+    with process:
+        write_whole(file, "mine")
+        assert partial.read_text() == "half"
+        process.stdin.close()
+        assert process.wait(30) == 0
+    assert file.read_text() == "half"  # it ended last
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_files_that_are_no_partial_ones_of_this_file_stay(tmp_path):
+    others = [".run.mcap.part", ".run.mcap.x.part", ".other.mcap.12.part", "run.mcap.12.part", ".run.mcap.12.parts"]
+    for name in others:
+        (tmp_path / name).write_text("precious")
+    write_whole(tmp_path / "run.mcap", "whole")
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted([*others, "run.mcap"])

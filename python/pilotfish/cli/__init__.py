@@ -17,6 +17,7 @@ from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.export import export
 from pilotfish.cli.fuzzy import app as fuzzy_app
+from pilotfish.cli.help_text import let_help_flow
 from pilotfish.cli.init import init
 from pilotfish.cli.leader import app as leader_app
 from pilotfish.cli.learn_body import learn_body
@@ -58,6 +59,7 @@ for panel, commands in _COMMANDS.items():
 for panel, groups in _GROUPS.items():
     for name, group in groups.items():
         app.add_typer(group, name=name, rich_help_panel=panel)
+let_help_flow(app)
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, warn
+from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, warn, working
 from pilotfish.cli.options import between, writable_folder
 from pilotfish.whole_files import check_not_among
 
@@ -110,22 +110,20 @@ def camera(
         found = _look(pictures, detector, model.value, views, every)
         if pictures.kind != calibration.FOLDER:
             calibration.check_film(found)
-        with console.status("fitting") as status:
-            result = calibration.calibrate_camera(
-                found.views, found.size, the_board, model=model.value, on_stage=status.update
-            )
+        with working("fitting") as say:
+            result = calibration.calibrate_camera(found.views, found.size, the_board, model=model.value, on_stage=say)
         print_camera_report(found, result)
         if report:
             from pilotfish.calibration.camera.drawings import save_drawings
 
             for file in save_drawings(result, report):
-                console.print(f"drew {file}", soft_wrap=True)
+                tell(f"drew {file}")
         bad = result.verdict.grade == calibration.AGAIN
         if out and bad and not anyway:
             warn(f"{out} was not written: calibrate again, or add --anyway")
         elif out:
             calibration.write_calibration(out, result.lens, remarks(source, the_board, result))
-            console.print(f"wrote {out}", soft_wrap=True)
+            tell(f"wrote {out}")
     if bad:
         raise typer.Exit(BAD_CALIBRATION)
 

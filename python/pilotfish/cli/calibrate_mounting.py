@@ -4,27 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell, working
 from pilotfish.cli.learn_body import of_tag, tag_sizes
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 from pilotfish.whole_files import check_not_among, write_whole
 
 if TYPE_CHECKING:
+    from pilotfish.calibration.body import Sightings, TagSizes
     from pilotfish.calibration.mounting import Phases
     from pilotfish.calibration.mounting.recordings import Film
-    from pilotfish.core import Frame
+    from pilotfish.core import CameraModel, Frame
 
 
 def mounting(
     source: Annotated[
-        Path, typer.Argument(help="A folder of pictures, a video, an LCM log, or the folder of a black box.")
+        str,
+        typer.Argument(
+            help="camera:N for a camera that runs, a folder of pictures, a video, an LCM log, or the folder of a black "
+            "box."
+        ),
     ],
     camera: CalibrationOption,
     tag_size: TagSizesOption,
@@ -53,6 +58,9 @@ def mounting(
     ] = "robot1",
     family: Annotated[str, typer.Option(help="Of the tags.")] = "tag36h11",
     every: Annotated[int, typer.Option(min=1, help="Look at every N-th picture only.", metavar="N")] = 1,
+    rate_hz: Annotated[
+        float, typer.Option(callback=between(1.0, 1000.0, "Hz"), help="Of camera:N: pictures per second.")
+    ] = 30.0,
     ignore: Annotated[
         list[int] | None, typer.Option("--ignore", help="An id that does not stand still. Can be repeated.")
     ] = None,
@@ -73,6 +81,12 @@ def mounting(
       films (--straight). Calibrate the camera first.
 
     \b
+    With camera:N
+      The screen says what to do and where the tags are; Enter begins and ends the
+      turn and the drive. The robot is driven by you: push it, or use its remote
+      control. Ctrl-C gives up.
+
+    \b
     What comes out
       Forward and left place from the turning centre, tilt and roll from the
       turning axis, pan from the straight drive, each with one standard
@@ -88,11 +102,14 @@ def mounting(
 
     \b
     Examples
+      pilotfish calibrate mounting camera:0 \\
+          --camera camera.yaml --tag-size 0.16 --height-m 0.31
       pilotfish calibrate mounting turn.mp4 --straight drive.mp4 \\
           --camera camera.yaml --tag-size 0.16 --height-m 0.31
       pilotfish calibrate mounting run.lcmlog --camera camera.yaml \\
           --tag-size 0.16 --height-of 0=0.32 --out mounting.yaml
     """
+    from pilotfish.calibration.live_camera import camera_number
     from pilotfish.calibration.mounting import HeightKnown, calibrate_mounting
     from pilotfish.calibration.mounting.recordings import ODOMETRY, open_film
     from pilotfish.calibration.mounting.yaml_lines import mounting_lines
@@ -108,11 +125,14 @@ def mounting(
         raise typer.BadParameter("--straight and --turn-only exclude each other")
     if pan_deg is not None and not turn_only:
         raise typer.BadParameter("--pan-deg is for --turn-only: else the drive shows the pan")
+    number = camera_number(source)
+    if number is not None and straight is not None:
+        raise typer.BadParameter("--straight is a film; with camera:N the drive follows the turn in the same run")
     height = HeightKnown(height_m, of_tag(height_of, "--height-of", allow_zero=True) if height_of else None)
     with friendly_errors():
         if out:
             check_writable(out)
-            check_not_among(out, [Path(source), camera, *([Path(straight)] if straight else [])])
+            check_not_among(out, [Path(source), camera, *([straight] if straight else [])])
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before anything is opened
@@ -120,13 +140,19 @@ def mounting(
             raise
         except ValueError as error:
             raise ConfigError(str(error)) from error
-        films = [open_film(source, robot)] + ([open_film(straight, robot)] if straight else [])
         try:
-            sightings, utime, film_of = _sightings(films, model, sizes, family, every, frozenset(ignore or ()))
+            ignored = frozenset(ignore or ())
+            if number is not None:
+                how = {"turn_only": turn_only, "forward": not backwards, "family": family, "ignored_ids": ignored}
+                sightings, phases = _live(number, rate_hz, every, model, sizes, **how)
+                films, utime = [], np.zeros(0)
+            else:
+                films = [open_film(Path(source), robot)] + ([open_film(straight, robot)] if straight else [])
+                sightings, utime, film_of = _sightings(films, model, sizes, family, every, ignored)
+                phases = _phases(films, utime, film_of, turn_only, backwards)
         except BodyLearningError as error:
             raise CalibrationError(str(error)) from error
-        phases = _phases(films, utime, film_of, turn_only, backwards)
-        with console.status("finding the mounting"):
+        with working("finding the mounting"):
             result = calibrate_mounting(
                 sightings,
                 model,
@@ -136,7 +162,7 @@ def mounting(
                 backwards=backwards,
             )
         scales = None
-        if films[0].motion_from == ODOMETRY and len(films) == 1:
+        if len(films) == 1 and films[0].motion_from == ODOMETRY:
             from pilotfish.calibration.mounting.odometry_check import odometry_scales
 
             scales = odometry_scales(films[0].motion, utime[result.drive.frames], result.drive)
@@ -146,7 +172,41 @@ def mounting(
         if out:
             out.parent.mkdir(parents=True, exist_ok=True)
             write_whole(out, lines)
-            console.print(f"wrote {out}", soft_wrap=True)
+            tell(f"wrote {out}")
+
+
+def _live(
+    number: int,
+    rate_hz: float,
+    every: int,
+    model: CameraModel,
+    sizes: TagSizes,
+    *,
+    turn_only: bool,
+    forward: bool,
+    family: str,
+    ignored_ids: frozenset[int],
+) -> tuple[Sightings, Phases]:
+    """Of a camera that runs: the sightings of a turn and a drive, with the operator pressing Enter in between."""
+    from pilotfish.calibration.live_camera import camera_frames
+    from pilotfish.calibration.mounting.live import collect_live
+    from pilotfish.cli.live_screen import enter_key
+    from pilotfish.cli.mounting_live import mounting_screen
+
+    frames = islice(camera_frames(number, (model.width, model.height), rate_hz), 0, None, every)
+    with enter_key() as advance, mounting_screen(model.width, turn_only=turn_only, backwards=not forward) as show:
+        collected, phases = collect_live(
+            frames,
+            model,
+            sizes,
+            turn_only=turn_only,
+            forward=forward,
+            family=family,
+            ignored_ids=ignored_ids,
+            advance=advance,
+            on_picture=show,
+        )
+    return collected.sightings, phases
 
 
 def _sightings(films, model, sizes, family, every, ignored):

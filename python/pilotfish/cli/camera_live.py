@@ -6,24 +6,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Group
-from rich.live import Live
 from rich.panel import Panel
 from rich.text import Text
 
 from pilotfish.calibration.camera import Progress
-from pilotfish.cli.console import console
-
-_REFRESH_HZ = 8
+from pilotfish.cli.console import tell
+from pilotfish.cli.live_screen import live_screen
 
 
 @contextmanager
 def live_map() -> Iterator[Callable[[Progress], None]]:
     """On a terminal a map that is drawn again and again; else one line for each view that is taken."""
-    if not console.is_terminal:
-        yield _line_by_line()
-        return
-    with Live(Text("looking for the board; Ctrl-C ends"), console=console, refresh_per_second=_REFRESH_HZ) as live:
-        yield lambda state: live.update(drawn(state))
+    with live_screen("looking for the board; Ctrl-C ends", drawn, _line_by_line()) as show:
+        yield show
 
 
 def drawn(state: Progress) -> Group:
@@ -42,6 +37,6 @@ def _line_by_line() -> Callable[[Progress], None]:
         if state.views > shown:
             shown = state.views
             said = f"view {state.views}: {state.coverage.share:.0%} of the picture; next: {state.advice}"
-            console.print(said, soft_wrap=True, markup=False)
+            tell(said)
 
     return show

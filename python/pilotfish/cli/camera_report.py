@@ -9,7 +9,7 @@ from rich.text import Text
 
 from pilotfish.calibration.board import Board
 from pilotfish.calibration.camera import AGAIN, GOOD, CameraCalibration, Found
-from pilotfish.cli.console import console, warn
+from pilotfish.cli.console import console, tell, warn
 
 MANY_VIEWS = 30  # of more, only the worst are listed
 _COLOURS = {GOOD: "green", AGAIN: "red"}
@@ -45,7 +45,7 @@ def print_camera_report(found: Found, calibration: CameraCalibration) -> None:
         counted = ", ".join(f"{count} {what}" for what, count in found.outcomes.most_common())
         console.print(f"{found.read} pictures: {counted}", soft_wrap=True)
     for each in calibration.rejected:
-        console.print(f"left out {each.name}: {each.why}: {each.detail}", soft_wrap=True, markup=False, highlight=False)
+        tell(f"left out {each.name}: {each.why}: {each.detail}")
     if calibration.dropped_corners:
         console.print(f"{calibration.dropped_corners} single corners did not fit and were left out", soft_wrap=True)
     console.print(
@@ -53,12 +53,14 @@ def print_camera_report(found: Found, calibration: CameraCalibration) -> None:
         + _unseen(calibration),
         soft_wrap=True,
     )
+    if other := calibration.other:
+        console.print(f"as {other.model}: RMS {other.rms_px:.3f} px", soft_wrap=True)
     for note in calibration.verdict.notes:
         warn(note)
     grade = calibration.verdict.grade
     console.print(Text(f"verdict: {grade}", style=f"bold {_COLOURS.get(grade, 'yellow')}"))
     for reason in calibration.verdict.reasons:
-        console.print(f"  - {reason}", soft_wrap=True, markup=False, highlight=False)
+        tell(f"  - {reason}")
 
 
 def _unseen(calibration: CameraCalibration) -> str:

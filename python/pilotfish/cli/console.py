@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import errno
 import os
+import shlex
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +22,8 @@ from rich.progress import (
     DownloadColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
+    SpinnerColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -26,6 +31,7 @@ from rich.progress import (
 from rich.segment import Segment
 from rich.table import Table
 
+from pilotfish.cli.progress_lines import progress_lines
 from pilotfish.errors import PilotfishError
 from pilotfish.printable import printable
 
@@ -54,6 +60,42 @@ class SysexitsGroup(typer.core.TyperGroup):
         except SystemExit as end:
             raise SystemExit(USAGE if end.code == _CLICK_USAGE else end.code) from end
 
+    def invoke(self, ctx: Any) -> Any:
+        """As click's; what is wrong with a number is said with the number and its range."""
+        words = [*getattr(ctx, "_protected_args", ()), *ctx.args]
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            error.message = _said_plainly(error.message, error.param, words)
+            raise
+
+
+def _said_plainly(message: str, param: Any, words: list[str]) -> str:
+    """The message without the words of the library that checks, and for a bounded number its value and its range."""
+    message = message.removeprefix("Value error, ")
+    low, high = getattr(param, "min", None), getattr(param, "max", None)
+    if not message.startswith("Input should be") or (low is None and high is None):
+        return message
+    value = _value_of(param.opts, words)
+    return f"{value} is not allowed; {_range_text(low, high)} is" if value else message
+
+
+def _range_text(low: float | None, high: float | None) -> str:
+    """The allowed range in words; one of its ends is known."""
+    if low is None:
+        return f"{high:.10g} or less"
+    return f"{low:.10g} or more" if high is None else f"from {low:.10g} to {high:.10g}"
+
+
+def _value_of(options: list[str], words: list[str]) -> str:
+    """What stands behind one of the options on the command line, the last time; empty if that is not found."""
+    found = ""
+    for at, word in enumerate(words):
+        name, equals, value = word.partition("=")
+        if name in options:
+            found = value if equals else "".join(words[at + 1 : at + 2])
+    return found
+
 
 OnProgress = Callable[[int, int | None], None]
 
@@ -63,31 +105,47 @@ _CLICK_USAGE = 2
 NO_READER = 141  # 128 + SIGPIPE: `| head` has seen enough, as a shell says it
 
 
-@contextmanager
-def progress(label: str) -> Iterator[OnProgress]:
-    """A bar on stderr that the yielded function moves: ``step(done, total)``, total None if unknown."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=_errors) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+def progress(label: str) -> AbstractContextManager[OnProgress]:
+    """A bar on stderr that the yielded function moves: ``step(done, total)``, total None if unknown; with the time so
+    far and the time that is left. Without a terminal: a line every few seconds."""
+    return _progress(label, MofNCompleteColumn(), in_bytes=False)
+
+
+def byte_progress(label: str) -> AbstractContextManager[OnProgress]:
+    """The same for bytes of a file."""
+    return _progress(label, DownloadColumn(), in_bytes=True)
 
 
 @contextmanager
-def timed_progress(label: str) -> Iterator[OnProgress]:
-    """The same for work of minutes, with the time that is left."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, TextColumn("left"), console=_errors) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+def working(label: str) -> Iterator[Callable[[str], None]]:
+    """Work of a length that is not known: its label on stderr with the time so far, on a terminal only. The yielded
+    function changes the label."""
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=_errors, transient=True, disable=not _errors.is_terminal) as spinner:
+        task = spinner.add_task(escape(label), total=None)
+        yield lambda text: spinner.update(task, description=escape(text))
 
 
 @contextmanager
-def byte_progress(label: str) -> Iterator[OnProgress]:
-    """The same for bytes of a file, with the time that is left."""
-    columns = (TextColumn("{task.description}"), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=_errors) as bar:
-        task = bar.add_task(label, total=None)
+def _progress(label: str, count: ProgressColumn, *, in_bytes: bool) -> Iterator[OnProgress]:
+    if not _errors.is_terminal:
+        say = partial(_errors.print, markup=False, highlight=False, soft_wrap=True)
+        yield progress_lines(label, say, time.monotonic, in_bytes=in_bytes)
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), count, TimeElapsedColumn())
+    with Progress(*columns, TextColumn("eta"), TimeRemainingColumn(), console=_errors) as bar:
+        task = bar.add_task(escape(label), total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def tell(text: str) -> None:
+    """One line on stdout that names files: as it is, whatever brackets and numbers stand in it."""
+    console.print(text, soft_wrap=True, markup=False, highlight=False)
+
+
+def tell_next(purpose: str, *words: str | Path) -> None:
+    """What to do next, and the command for it as a shell takes it: paths may have spaces."""
+    tell(f"next, {purpose}: {shlex.join(map(str, words))}")
 
 
 def print_whole(table: Table, width: int) -> None:

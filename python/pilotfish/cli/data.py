@@ -9,12 +9,17 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, warn
+from pilotfish.cli.completing import shipped_files
+from pilotfish.cli.console import console, friendly_errors, tell, warn
 
 
 def data(
     path: Annotated[
-        str | None, typer.Argument(help="One of them, e.g. scenarios/line.yaml, or a folder: prints its full path.")
+        str | None,
+        typer.Argument(
+            help="One of them, e.g. scenarios/line.yaml, or a folder: prints its full path.",
+            autocompletion=shipped_files,
+        ),
     ] = None,
     copy: Annotated[
         Path | None,
@@ -47,7 +52,7 @@ def data(
                 typer.echo(str(source))
             return
         for written in _copy(source, copy):
-            console.print(f"wrote {written}", soft_wrap=True, markup=False, highlight=False)
+            tell(f"wrote {written}")
 
 
 def _print(files: list[Path], root: Path) -> None:

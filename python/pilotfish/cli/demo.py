@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.console import console, friendly_errors, progress, tell
 from pilotfish.cli.options import (
     DarkOption,
     DurationOption,
@@ -58,33 +59,45 @@ def demo(
     with friendly_errors():
         into = gallery(out, picture_format.value, dark)
         drivers = drivers_of(profile, Law.fuzzy)
-        results = [_play(experiment, driver, duration_s) for experiment in EXPERIMENTS.values() for driver in drivers]
-        nonideal = [
-            _play(experiment.on_nonideal_robot(), drivers[-1], duration_s) for experiment in EXPERIMENTS.values()
+        ideal = [(experiment, driver) for experiment in EXPERIMENTS.values() for driver in drivers]
+        runs = ideal + [(experiment.on_nonideal_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
+        played = [
+            _play(f"run {number} of {len(runs)}", experiment, driver, duration_s)
+            for number, (experiment, driver) in enumerate(runs, 1)
         ]
+        results, nonideal = played[: len(ideal)], played[len(ideal) :]
         data = [save_recording(result, out) for result in [*results, *nonideal]]
         data.append(_save_metrics(results + nonideal, out))
         overview, films = _save_overview(results, into)
+        with progress("drawing") as step:
+            drawn = []
+            for done, result in enumerate(played, 1):
+                drawn.append(save_pictures(result, into))
+                step(done, len(played) + 2)
+            compared = save_comparison(results, into)
+            step(len(played) + 1, len(played) + 2)
+            law = _save_law(results[0], into)
+            step(len(played) + 2, len(played) + 2)
         chapters = {
-            "Both experiments": [overview, *save_comparison(results, into)],
+            "Both experiments": [overview, *compared],
             "What the camera saw": films,
-            "Each run": [picture for result in results for picture in save_pictures(result, into)],
-            "Non-ideal robot": [picture for result in nonideal for picture in save_pictures(result, into)],
-            "The fuzzy law": _save_law(results[0], into),
+            "Each run": list(chain.from_iterable(drawn[: len(results)])),
+            "Non-ideal robot": list(chain.from_iterable(drawn[len(results) :])),
+            "The fuzzy law": law,
         }
         page = _write_page(chapters, results, nonideal, data, into)
         for table in (*metrics_tables(results), *metrics_tables(nonideal, NONIDEAL)):
             console.print(table)
         pictures = [picture.file for chapter in chapters.values() for picture in chapter]
         for file in [*data, *pictures]:
-            console.print(f"wrote {file}", soft_wrap=True)
+            tell(f"wrote {file}")
         console.print(f"everything on one page: {page}   {page.resolve().as_uri()}", soft_wrap=True)
 
 
-def _play(experiment: Experiment, driver: str, duration_s: float | None) -> Result:
+def _play(which: str, experiment: Experiment, driver: str, duration_s: float | None) -> Result:
     from pilotfish.experiments import run_experiment
 
-    with progress(f"{experiment.title}, {driver}, over LCM") as step:
+    with progress(f"{which}: {experiment.title}, {driver}, over LCM") as step:
         return run_experiment(experiment, driver, duration_s=duration_s, on_progress=step)
 
 

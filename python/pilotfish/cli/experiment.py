@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.completing import experiments
+from pilotfish.cli.console import console, friendly_errors, progress, tell
 from pilotfish.cli.options import (
     DarkOption,
     DurationOption,
@@ -33,6 +34,7 @@ def experiment(
         str,
         typer.Argument(
             metavar="NAME",
+            autocompletion=experiments,
             help="line (Fig. 6), circle (Fig. 7), both; or any shipped scenario (pilotfish data scenarios), or a file.",
         ),
     ],
@@ -75,20 +77,25 @@ def experiment(
             chosen = [experiment.on_nonideal_robot() for experiment in chosen]
         drivers = _all_drivers(profile, law, tuning) if all_laws else drivers_of(profile, law)
         results = []
-        for experiment in chosen:
-            for driver in drivers:
-                with progress(f"{experiment.title}, {law_name(driver)}") as step:
-                    how = {"tuning": tuning, "duration_s": duration_s, "on_progress": step}
-                    results += run_all_robots(experiment, driver, transport, **how)
+        runs = [(experiment, driver) for experiment in chosen for driver in drivers]
+        for number, (experiment, driver) in enumerate(runs, 1):
+            which_run = f"run {number} of {len(runs)}: " if len(runs) > 1 else ""
+            with progress(f"{which_run}{experiment.title}, {law_name(driver)}") as step:
+                how = {"tuning": tuning, "duration_s": duration_s, "on_progress": step}
+                results += run_all_robots(experiment, driver, transport, **how)
         for table in metrics_tables(results):
             console.print(table)
         if out:
             into = gallery(out, picture_format.value, dark)
             written = [save_recording(result, out) for result in results]
-            written += [picture.file for result in results for picture in save_pictures(result, into)]
-            written += [picture.file for picture in save_comparison(results, into)]
+            with progress("drawing") as step:
+                for done, result in enumerate(results, 1):
+                    written += [picture.file for picture in save_pictures(result, into)]
+                    step(done, len(results) + 1)
+                written += [picture.file for picture in save_comparison(results, into)]
+                step(len(results) + 1, len(results) + 1)
             for file in written:
-                console.print(f"wrote {file}", soft_wrap=True)
+                tell(f"wrote {file}")
 
 
 def _all_drivers(profile: Profiles, law: Law, tuning: Path | None) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import OnProgress, byte_progress, check_writable, console, friendly_errors
+from pilotfish.cli.console import OnProgress, byte_progress, check_writable, friendly_errors, tell
 from pilotfish.whole_files import check_not_among
 
 
@@ -19,6 +19,7 @@ class ExportFormat(str, Enum):
     csv = "csv"
     parquet = "parquet"
     mp4 = "mp4"
+    rrd = "rrd"
 
 
 class TableName(str, Enum):
@@ -41,31 +42,36 @@ def export(
     ],
     out: Annotated[Path, typer.Option("--out", help="The file to write.")],
     to: Annotated[
-        ExportFormat | None, typer.Option("--to", help="The format; default: what the suffix of --out says.")
+        ExportFormat | None,
+        typer.Option("--to", "--format", help="The format; default: what the suffix of --out says."),
     ] = None,
     robot: Annotated[str | None, typer.Option(help="Only this robot's; default: all (MP4 shows one camera).")] = None,
     table: Annotated[
         TableName, typer.Option("--table", help="For CSV and Parquet, which are one table a file.")
     ] = TableName.frames,
-    images: Annotated[bool, typer.Option("--images/--no-images", help="For MCAP: with the images, or without.")] = True,
+    images: Annotated[
+        bool, typer.Option("--images/--no-images", help="For MCAP and RRD: with the images, or without.")
+    ] = True,
     overlay: Annotated[
         bool, typer.Option("--overlay/--no-overlay", help="For MP4: with tags, distance, bearing and status drawn.")
     ] = True,
 ) -> None:
-    """Write a recorded run as MCAP (Foxglove), CSV, Parquet or MP4.
+    """Write a recorded run as MCAP (Foxglove), RRD (Rerun), CSV, Parquet or MP4.
 
     Numbers come back bit for bit. Hours of a recording need no more memory than minutes (MP4: some 100 MB an hour).
-    MCAP, Parquet and MP4 need: pip install 'pilotfish\\[export]'
+    MCAP, Parquet and MP4 need: pip install 'pilotfish\\[export]'; RRD needs: pip install 'pilotfish\\[rerun]'
 
     \b
     Examples
       pilotfish export /var/lib/pilotfish --to mcap --out run.mcap
       pilotfish export robot1-1764000000000000-12.lcmlog --out run.parquet
       pilotfish export run.lcmlog --to csv --table commands --out commands.csv
+      pilotfish export run.lcmlog --to rrd --out run.rrd     then: rerun run.rrd
       pilotfish export run.lcmlog --to mp4 --robot robot1 --out run.mp4
     """
     with friendly_errors():
         kind = _kind(to, out)
+        _check_options(kind, table, images, overlay)
         check_writable(out)
         check_not_among(out, _files_of(log))
         with byte_progress("exporting") as step:
@@ -73,8 +79,10 @@ def export(
                 count = _export_mp4(log, out, robot, overlay, step)
             else:
                 count = _export(kind, log, out, robot, table.value, images, step)
-        what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames"}[kind.value]
-        console.print(f"wrote {out}: {count} {what}", soft_wrap=True)
+        what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames", "rrd": "frames and images"}[
+            kind.value
+        ]
+        tell(f"wrote {out}: {count} {what}")
 
 
 def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:
@@ -85,6 +93,19 @@ def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:
     except ValueError:
         formats = ", ".join(one.value for one in ExportFormat)
         raise typer.BadParameter(f"--out {out}: its suffix is no format ({formats}); say it with --to") from None
+
+
+def _check_options(kind: ExportFormat, table: TableName, images: bool, overlay: bool) -> None:
+    """Options that would be ignored are refused."""
+    ignored = {
+        f"--table {table.value}": table is not TableName.frames
+        and kind not in (ExportFormat.csv, ExportFormat.parquet),
+        "--no-images": not images and kind not in (ExportFormat.mcap, ExportFormat.rrd),
+        "--no-overlay": not overlay and kind is not ExportFormat.mp4,
+    }
+    for option, is_ignored in ignored.items():
+        if is_ignored:
+            raise typer.BadParameter(f"{option} means nothing to {kind.value}: leave it out, or choose another --to")
 
 
 def _files_of(log: Path) -> list[Path]:
@@ -98,6 +119,10 @@ def _export(
         from pilotfish.logs.export.to_mcap import export_mcap
 
         return export_mcap(log, out, robot=robot, images=images, on_progress=step)
+    if kind is ExportFormat.rrd:
+        from pilotfish.logs.export.to_rrd import export_rrd
+
+        return export_rrd(log, out, robot=robot, images=images, on_progress=step)
     if kind is ExportFormat.parquet:
         from pilotfish.logs.export.to_parquet import export_parquet
 

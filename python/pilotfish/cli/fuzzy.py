@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, warn
+from pilotfish.cli.console import console, friendly_errors, tell, warn
 from pilotfish.cli.options import between
 from pilotfish.errors import ConfigError
 
@@ -98,7 +98,7 @@ def plot(
             "curve": draw_curve(controller, analyse(controller), f"The curve u(e, 0) of '{name}'"),
         }
         for kind, figure in drawings.items():
-            console.print(f"wrote {save(figure, folder / f'{file.stem}_{kind}.png')}", soft_wrap=True)
+            tell(f"wrote {save(figure, folder / f'{file.stem}_{kind}.png')}")
 
 
 @app.command()
@@ -157,7 +157,7 @@ def convert(
         text = _written(load(source), target)
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(text)
-        console.print(f"wrote {target}", soft_wrap=True)
+        tell(f"wrote {target}")
 
 
 def _written(controller: fuzzy.Controller, target: Path) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, warn
+from pilotfish.cli.console import friendly_errors, tell, tell_next, warn
 from pilotfish.cli.options import writable_folder
 
 
@@ -49,11 +49,11 @@ def init(
         writable_folder(place)
         files = create(name, place, Options(source, calibration, leader, user))
         for file in files:
-            console.print(f"wrote {file}", soft_wrap=True, markup=False, highlight=False)
+            tell(f"wrote {file}")
         if place.resolve().is_relative_to("/tmp"):
             warn("services have a /tmp of their own and cannot see this folder: choose another --dir for them")
-        console.print(f"\nNext: {place / 'README.md'}", soft_wrap=True, markup=False, highlight=False)
-        console.print(f"  pilotfish doctor --config {place / f'{name}.yaml'}", soft_wrap=True, markup=False)
+        tell(f"\nstep by step: {place / 'README.md'}")
+        tell_next("is everything there?", "pilotfish", "doctor", "--config", place / f"{name}.yaml")
 
 
 def _check_words(name: str, source: str, user: str | None) -> None:

@@ -11,7 +11,7 @@ from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
-from pilotfish.cli.console import check_writable, console, friendly_errors
+from pilotfish.cli.console import check_writable, console, friendly_errors, tell
 from pilotfish.cli.options import between
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def show(
         check_writable(picture)
         body, visibility, findings = _look(file, config, camera, distance_m, height_m)
         remarks = [f"{finding.level.value}: {finding.text}" for finding in findings] or ["nothing found"]
-        console.print(f"wrote {save(draw_leader(body, visibility, remarks), picture)}", soft_wrap=True)
+        tell(f"wrote {save(draw_leader(body, visibility, remarks), picture)}")
 
 
 @app.command()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next, working
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def learn_body(
                 ignored_ids=frozenset(ignore or ()),
                 on_frame=lambda done: step(done, pictures),
             )
-        with console.status("learning the layout"):
+        with working("learning the layout"):
             learned = body_calibration.learn_body(
                 collected.sightings,
                 model,
@@ -146,7 +146,8 @@ def learn_body(
             )
         body_calibration.write_leader_body(output, learned.body, remarks(video.name, learned))
         print_report(collected, learned)
-        console.print(f"wrote {output}", soft_wrap=True)
+        tell(f"wrote {output}")
+        tell_next("to look at it", "pilotfish", "leader", "show", output)
 
 
 def _number(text: str, option: str) -> float:
@@ -215,12 +216,13 @@ def _base(
 
 def _open(video: Path) -> tuple[FrameSource, int | None]:
     """The frames, and how many there are if that is known beforehand."""
+    from pilotfish.calibration.video_length import pictures_in_video
     from pilotfish.capture import CaptureError, open_images, open_video
     from pilotfish.errors import BodyLearningError
 
     try:
         if not video.is_dir():
-            return open_video(str(video)), None
+            return open_video(str(video)), pictures_in_video(video)
         pictures = sum(
             1 for file in video.iterdir() if file.suffix.lower() in {".png", ".jpg", ".jpeg", ".pgm", ".bmp"}
         )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors
+from pilotfish.cli.console import friendly_errors, tell
 
 if TYPE_CHECKING:
     from pilotfish.bus import StatusReport
@@ -111,7 +111,7 @@ def key_new(
 
     with friendly_errors():
         new_key(file)
-        console.print(f"wrote {file}", soft_wrap=True, markup=False, highlight=False)
+        tell(f"wrote {file}")
 
 
 def _check_distance(distance_m: float | None) -> None:
@@ -145,4 +145,4 @@ def _say(operator: Operator, status: StatusReport) -> None:
     from pilotfish.operating import describe
 
     text = f"{operator.robot}: {describe(status)} (after {operator.sent} messages)"
-    console.print(text, soft_wrap=True, markup=False, highlight=False)
+    tell(text)

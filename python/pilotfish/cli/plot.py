@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, console, friendly_errors
+from pilotfish.cli.console import byte_progress, friendly_errors, progress, tell
 from pilotfish.cli.options import between, writable_folder
 from pilotfish.errors import ConfigError, RecordingError
 
@@ -84,7 +84,7 @@ def plot(
                 f"{file} does not begin as a black box or a file of lcm-logger does"
             )
         for picture in written:
-            console.print(f"wrote {picture}", soft_wrap=True)
+            tell(f"wrote {picture}")
 
 
 def _is_log(file: Path) -> bool:
@@ -107,12 +107,16 @@ def _draw_log(file: Path, out: Path, robot: str | None, suffix: str, dark: bool)
     if not run.coordinators:
         raise RecordingError(f"{file}: no frame of a coordinator in it; channels in it: {', '.join(run.channels)}")
     theme, name = DARK if dark else LIGHT, file.resolve().name if file.is_dir() else file.stem
-    written = []
-    for one in run.coordinators:
-        stem = name if len(run.coordinators) == 1 else f"{name}_{one.name}"
-        overview = draw_run_overview({one.name: one}, f"{name}: {one.name}", theme)
-        view = draw_relative_view({one.name: one}, f"{name}: from above, relative to {one.name}", theme)
-        written += [save(overview, out / f"{stem}_run{suffix}"), save(view, out / f"{stem}_relative{suffix}")]
+    written: list[Path] = []
+    with progress("drawing") as step:
+        for one in run.coordinators:
+            stem = name if len(run.coordinators) == 1 else f"{name}_{one.name}"
+            overview = draw_run_overview({one.name: one}, f"{name}: {one.name}", theme)
+            written.append(save(overview, out / f"{stem}_run{suffix}"))
+            step(len(written), 2 * len(run.coordinators))
+            view = draw_relative_view({one.name: one}, f"{name}: from above, relative to {one.name}", theme)
+            written.append(save(view, out / f"{stem}_relative{suffix}"))
+            step(len(written), 2 * len(run.coordinators))
     return written
 
 

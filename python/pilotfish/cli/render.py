@@ -7,12 +7,18 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress
+from pilotfish.cli.completing import shipped_scenarios
+from pilotfish.cli.console import friendly_errors, progress, tell
 from pilotfish.cli.options import Profile, ProfileOption, writable_folder
 
 
 def render(
-    scenario: Annotated[str, typer.Argument(help="A scenario file, or the name of a shipped one (line, circle, ...).")],
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            help="A scenario file, or the name of a shipped one (line, circle, ...).", autocompletion=shipped_scenarios
+        ),
+    ],
     out: Annotated[
         Path,
         typer.Option(
@@ -41,7 +47,7 @@ def render(
         loaded = Scenario.load(_scenario_file(scenario))
         with progress(f"rendering {loaded.name}") as step:
             written = render_sequence(loaded, out, frames=frames, robot=robot, profile=profile.value, on_progress=step)
-        console.print(f"wrote {written} pictures and frames.csv to {out}", soft_wrap=True)
+        tell(f"wrote {written} pictures and frames.csv to {out}")
 
 
 def _scenario_file(name: str) -> Path:

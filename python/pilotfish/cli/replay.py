@@ -9,7 +9,7 @@ import typer
 from rich.table import Table
 
 from pilotfish.cli.console import byte_progress, console, friendly_errors, warn
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, RecordingError
 
 if TYPE_CHECKING:
     from pilotfish.black_box import ReplayReport
@@ -43,8 +43,9 @@ def replay(
     from pilotfish.logs.sources import events_of, size_of
 
     with friendly_errors():
+        files = files_in(log, robot)
+        _check_recorded(log, files)
         try:
-            files = files_in(log, robot)
             with byte_progress("replaying") as step:
                 events = events_of(files, 0, size_of(files), step)
                 report = compute(events, from_pixels=from_pixels)
@@ -66,6 +67,15 @@ def replay(
             )
     if must_agree and (report.differences or not report.commands or unseen):
         raise typer.Exit(1)
+
+
+def _check_recorded(log: Path, files: list[Path]) -> None:
+    """RecordingError if there is no event in the files at all."""
+    from pilotfish.black_box.log import Event
+    from pilotfish.logs.sources import events_of
+
+    if not any(isinstance(event, Event) for event in events_of(files, 0, 0, None)):
+        raise RecordingError(f"{log}: no event of LCM in it: not a file of a black box")
 
 
 def _table(report: ReplayReport, from_pixels: bool) -> Table:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, check_writable, console, friendly_errors, warn
+from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, tell, warn, working
 from pilotfish.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -49,13 +49,14 @@ def report(
             with byte_progress(f"reading {path.name or path}") as step:
                 recordings.append(read_run(path, robot, step))
         chosen = _named(recordings)
-        text = report_html(chosen)
+        with working("drawing the page"):
+            text = report_html(chosen)
         with written_whole(out) as partial:
             partial.write_text(text, encoding="utf-8")
         for recording in recordings:
             if recording.damage:
                 warn(f"{recording.path}: {len(recording.damage)} damaged places; the page names them")
-        console.print(f"wrote {out} ({len(text) / 1e6:.1f} MB)", soft_wrap=True)
+        tell(f"wrote {out} ({len(text) / 1e6:.1f} MB)")
 
 
 def _named(recordings: list[Run]) -> list[ReportedRun]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import typer.core
 
-from pilotfish.cli.console import console, friendly_errors, timed_progress, warn
+from pilotfish.cli.console import console, friendly_errors, progress, warn
 from pilotfish.cli.options import writable_folder
 from pilotfish.cli.sweep_results import plot, report, sensitivity
 
@@ -131,7 +131,7 @@ def run(
             return
         folder = out or Path("out") / file.stem
         where = Where(os.cpu_count() or 1 if workers is None else workers, scheduler)
-        with _stopping() as stop, timed_progress(campaign.name) as step:
+        with _stopping() as stop, progress(campaign.name) as step:
             summary = run_campaign(
                 campaign, folder, where, on_started=_say_dashboard, on_progress=step, stopping=stop.is_set
             )

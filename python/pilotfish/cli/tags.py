@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next
 from pilotfish.cli.options import between
 from pilotfish.whole_files import check_same
 
@@ -337,7 +337,9 @@ def _print_board(board: Board, paper: Paper, out: Path, replace: bool) -> None:
         check_same(description, board_text(board), "--replace")
     _write(pages, out, board_title(board))
     write_board(board, description)
-    console.print(f"wrote {description}, for `pilotfish calibrate`", soft_wrap=True)
+    tell(f"wrote {description}")
+    command = ("pilotfish", "calibrate", "camera", "camera:0", "--board", description, "--out", "camera.yaml")
+    tell_next("with the printed board", *command)
 
 
 def _leader_remarks(pdf: Path) -> list[str]:
@@ -352,7 +354,8 @@ def _write_leader(leader: Path, body: LeaderBody, pdf: Path) -> None:
     from pilotfish.calibration.body import write_leader_body
 
     write_leader_body(leader, body, _leader_remarks(pdf))
-    console.print(f"wrote {leader}; look at it: pilotfish leader show {leader}", soft_wrap=True)
+    tell(f"wrote {leader}")
+    tell_next("to look at it", "pilotfish", "leader", "show", leader)
 
 
 def _write(pages: list[Page], out: Path, what: str) -> None:
@@ -362,4 +365,4 @@ def _write(pages: list[Page], out: Path, what: str) -> None:
     with progress("drawing pages") as step:
         write_pdf(pages, out, title=what, on_page=step)
     count = f"{len(pages)} page{'s' if len(pages) > 1 else ''} of {pages[0].paper.name}"
-    console.print(f"wrote {out}: {what} on {count}. Print it at 100 % and measure the bar.", soft_wrap=True)
+    tell(f"wrote {out}: {what} on {count}. Print it at 100 % and measure the bar.")

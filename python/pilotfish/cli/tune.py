@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell
 from pilotfish.cli.options import Tunable
 
 
@@ -40,4 +40,4 @@ def tune(
         for key, value in sorted(tuned.parameters.items()):
             console.print(f"  {key}: {value:.6g}")
         if out:
-            console.print(f"wrote {tuned.write(out)}", soft_wrap=True)
+            tell(f"wrote {tuned.write(out)}")

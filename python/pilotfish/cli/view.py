@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, warn
+from pilotfish.cli.console import friendly_errors, tell, warn
 from pilotfish.cli.options import between
 
 if TYPE_CHECKING:
@@ -196,4 +196,4 @@ def _say_where(host: str, port: int, rules: object) -> None:
 
 
 def _print(line: str) -> None:
-    console.print(line, soft_wrap=True, markup=False, highlight=False)
+    tell(line)

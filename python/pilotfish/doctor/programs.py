@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -31,7 +32,7 @@ def check_program(
     shown = host.run([file, "--version"])
     if shown is None or shown.returncode != 0:
         said = (shown.stderr.strip().splitlines() or ["nothing"])[-1] if shown else "nothing"
-        advice = f"an older version, or a library is missing (ldd {file})"
+        advice = f"an older version, or a library is missing ({shlex.join(['ldd', str(file)])})"
         return wrong(name, f"{file} --version fails: {said}", advice)
     found = shown.stdout.split()[-1] if shown.stdout.split() else "none"
     if found != version:

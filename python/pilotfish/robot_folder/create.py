@@ -110,7 +110,7 @@ def _leader(file: Path | None) -> str:
 
 def _readable(file: Path) -> None:
     if not file.is_file():
-        raise MissingFileError(f"no file {file}")
+        raise MissingFileError(f"{file}: no such file")
 
 
 def _user_and_group(user: str | None) -> tuple[str, str]:

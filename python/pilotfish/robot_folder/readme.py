@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 
 def readme(name: str, folder: Path, user: str) -> str:
     """For a folder at the absolute path ``folder``."""
-    config, channel = folder / f"{name}.yaml", name.upper()
+
+    def quoted(file: str) -> str:
+        return shlex.quote(str(folder / file))
+
+    config, channel = quoted(f"{name}.yaml"), name.upper()
     return f"""\
 # {name}
 
@@ -27,7 +32,7 @@ be moved; the units in `systemd/` and the commands here name it, so make those a
 ## 1. Is the machine ready?
 
 ```sh
-pilotfish doctor --config '{config}'
+pilotfish doctor --config {config}
 ```
 
 ## 2. Tags, calibration, leader
@@ -37,7 +42,7 @@ the camera at the size you will use (`pilotfish calibrate camera`), and put the 
 Enter ids, sizes and places of the tags into `leader.yaml`, or learn them from a video of the leader turning in place:
 
 ```sh
-pilotfish learn-body turn.mp4 --camera '{folder}/calibration.yaml' \\
+pilotfish learn-body turn.mp4 --camera {quoted("calibration.yaml")} \\
     --tag-size 0.16 --height-of 0=0.25 --output learned.yaml
 ```
 
@@ -46,25 +51,25 @@ pilotfish learn-body turn.mp4 --camera '{folder}/calibration.yaml' \\
 `run: false` in `{name}.yaml` makes it look and send zeros:
 
 ```sh
-pilotfish-coordinator --config '{config}' --json
+pilotfish-coordinator --config {config} --json
 ```
 
 `distance_m` and `bearing_rad` must be what a tape measure says. In another terminal:
 
 ```sh
 pilotfish top
-pilotfish doctor --following {name} --config '{config}'
+pilotfish doctor --following {name} --config {config}
 ```
 
 ## 4. Wheels, in the air
 
 ```sh
-pilotfish-base --config '{folder}/base.yaml'     # driver: dry_run moves nothing; pilotfish top shows its state
-pilotfish-base --config '{folder}/base.yaml' --driver serial:/dev/ttyUSB0
+pilotfish-base --config {quoted("base.yaml")}     # driver: dry_run moves nothing; pilotfish top shows its state
+pilotfish-base --config {quoted("base.yaml")} --driver serial:/dev/ttyUSB0
 ```
 
-or a driver of your own: `python '{folder}/wheel_driver.py'`. Pull the coordinator's camera out: the wheels must stop at
-once. End the coordinator with `kill -9`: the same.
+or a driver of your own: `python {quoted("wheel_driver.py")}`. Pull the coordinator's camera out: the wheels must
+stop at once. End the coordinator with `kill -9`: the same.
 
 ## 5. Drive
 
@@ -80,7 +85,7 @@ They run as user `{user}`, which must be there and be able to read this folder. 
 go to `/var/lib/pilotfish/{name}` and nowhere else.
 
 ```sh
-sudo cp '{folder}'/systemd/pilotfish-*.service /etc/systemd/system/
+sudo cp {quoted("systemd")}/pilotfish-*.service /etc/systemd/system/
 sudo systemctl daemon-reload
 sudo systemctl enable --now pilotfish-lcm-route pilotfish-{name}-base pilotfish-{name}-coordinator
 journalctl -fu pilotfish-{name}-coordinator

@@ -92,8 +92,7 @@ def collect_sightings(
 
     Raises BodyLearningError: frames of another size than the calibration's, no tag, an id without a size.
     """
-    detector = TagDetector(family)
-    trackers: dict[int, TagTracker] = {}  # of bodies with one tag: which ids are on the robot is not known yet
+    corners_in = corner_finder(camera, family, ignored_ids)
     found: list[tuple[int, int, np.ndarray]] = []
     read = undecodable = 0
     for number, frame in enumerate(frames):
@@ -105,13 +104,24 @@ def collect_sightings(
         if frame.defect != Reason.none:
             undecodable += 1
             continue
-        if (frame.width, frame.height) != (camera.width, camera.height):
-            raise BodyLearningError(
-                f"frame {number} has {frame.width}x{frame.height} px, the camera was calibrated with "
-                f"{camera.width}x{camera.height}: film at the calibration's size, or calibrate at the film's"
-            )
+        check_size(frame, number, camera)
+        found += [(number, tag_id, corners_px) for tag_id, corners_px in corners_in(frame)]
+    if not found:
+        raise no_tag(family, read)
+    return checked(found, sizes, read, undecodable)
+
+
+def corner_finder(
+    camera: CameraModel, family: str, ignored_ids: frozenset[int]
+) -> Callable[[Frame], list[tuple[int, np.ndarray]]]:
+    """A function from a frame to its tags: (id, corners (4, 2) px). An id that is seen twice in it is left out."""
+    detector = TagDetector(family)
+    trackers: dict[int, TagTracker] = {}  # of bodies with one tag: which ids are on the robot is not known yet
+
+    def corners_in(frame: Frame) -> list[tuple[int, np.ndarray]]:
         tags = [tag for tag in detector.detect(frame.image).tags if tag.id not in ignored_ids]
         ids = [tag.id for tag in tags]
+        found = []
         for tag in tags:
             if ids.count(tag.id) > 1:
                 continue
@@ -122,26 +132,47 @@ def collect_sightings(
             tracker = trackers[tag.id]
             fitted = tracker.track(frame.image, tracker.predict_at(tag.id, corners_px=tag.corners_px))
             if isinstance(fitted, TagMeasurement):
-                found.append((number, tag.id, fitted.tag.corners_px))
-    if not found:
+                found.append((tag.id, fitted.tag.corners_px))
+        return found
+
+    return corners_in
+
+
+def check_size(frame: Frame, number: int, camera: CameraModel) -> None:
+    """BodyLearningError unless the frame has the size that the camera was calibrated with."""
+    if (frame.width, frame.height) != (camera.width, camera.height):
         raise BodyLearningError(
-            f"no {family} tag in any of {read} frames: film nearer (a tag's side should span 40 pixels or more), with "
-            "more light and without motion blur, and check --family"
+            f"frame {number} has {frame.width}x{frame.height} px, the camera was calibrated with "
+            f"{camera.width}x{camera.height}: film at the calibration's size, or calibrate at the film's"
         )
-    return _checked(found, sizes, read, undecodable)
 
 
-def _checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: int, undecodable: int) -> Collected:
-    frame, tag_id = (np.array(column) for column in list(zip(*found, strict=True))[:2])
-    ids, counts = np.unique(tag_id, return_counts=True)
-    rare = tuple(ids[counts < MIN_SIGHTINGS].tolist())
-    unknown = [i for i in ids.tolist() if i not in rare and sizes.of(i) is None]
+def no_tag(family: str, read: int) -> BodyLearningError:
+    """What to say if no tag was seen in ``read`` frames."""
+    return BodyLearningError(
+        f"no {family} tag in any of {read} frames: film nearer (a tag's side should span 40 pixels or more), with "
+        "more light and without motion blur, and check --family"
+    )
+
+
+def check_known(ids: Iterable[int], sizes: TagSizes) -> None:
+    """BodyLearningError if an id has no size."""
+    unknown = [i for i in ids if sizes.of(i) is None]
     if unknown:
         raise BodyLearningError(
             f"no size is given for {_named(unknown)}: add "
             + " ".join(f"--tag-size {i}=METRES" for i in unknown)
             + ", or --ignore ID if it is not on the robot"
         )
+
+
+def checked(found: list[tuple[int, int, np.ndarray]], sizes: TagSizes, read: int, undecodable: int) -> Collected:
+    """Sightings of ``found``, (frame, id, corners) each and at least one. BodyLearningError: an id without a size, or
+    too many."""
+    frame, tag_id = (np.array(column) for column in list(zip(*found, strict=True))[:2])
+    ids, counts = np.unique(tag_id, return_counts=True)
+    rare = tuple(ids[counts < MIN_SIGHTINGS].tolist())
+    check_known((i for i in ids.tolist() if i not in rare), sizes)
     sizes_m = np.array([sizes.of(i) or np.nan for i in ids.tolist()])
     everything = Sightings(
         frame, np.searchsorted(ids, tag_id), np.array([corners for *_, corners in found]), ids, sizes_m

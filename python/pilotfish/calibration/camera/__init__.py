@@ -12,6 +12,7 @@ from pilotfish.calibration.camera.collect import Found, Progress, check_film, ev
 from pilotfish.calibration.camera.detector import BoardDetector
 from pilotfish.calibration.camera.fit import Fit, fit_best, fit_lens
 from pilotfish.calibration.camera.lens import MODELS, Lens
+from pilotfish.calibration.camera.other_model import OtherModel, compare_models
 from pilotfish.calibration.camera.pictures import CAMERA, FOLDER, VIDEO, open_pictures
 from pilotfish.calibration.camera.verdict import AGAIN, GOOD, USABLE, Verdict
 from pilotfish.calibration.camera.views import BoardView, Rejected
@@ -30,12 +31,14 @@ __all__ = [
     "Fit",
     "Found",
     "Lens",
+    "OtherModel",
     "Progress",
     "Rejected",
     "Verdict",
     "board_of",
     "calibrate_camera",
     "check_film",
+    "compare_models",
     "every_picture",
     "fit_best",
     "fit_lens",

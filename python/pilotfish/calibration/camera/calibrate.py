@@ -13,8 +13,9 @@ from pilotfish.calibration.camera import views as kinds
 from pilotfish.calibration.camera.coverage import Coverage, Tilts, coverage_of, tilts_of
 from pilotfish.calibration.camera.fit import MIN_VIEWS, Fit, fit_best, fit_lens
 from pilotfish.calibration.camera.lens import Lens
+from pilotfish.calibration.camera.other_model import OtherModel, compare_models
 from pilotfish.calibration.camera.unseen import Unseen, unseen_views
-from pilotfish.calibration.camera.verdict import Verdict, judge, marker_note
+from pilotfish.calibration.camera.verdict import Verdict, better_model_reason, judge, marker_note
 from pilotfish.calibration.camera.views import BoardView, Rejected
 from pilotfish.calibration.covariance import Uncertainty
 from pilotfish.errors import CalibrationError
@@ -31,7 +32,7 @@ MIN_CORNERS_LEFT = 6
 @dataclass(frozen=True)
 class CameraCalibration:
     """A lens, how well it is known, and from what: ``views`` (those used), ``rejected`` (in the pictures' order),
-    ``dropped_corners``: single corners that did not fit."""
+    ``dropped_corners``: single corners that did not fit. ``other``: the other lens model on the same corners."""
 
     fit: Fit
     known: Uncertainty
@@ -42,6 +43,7 @@ class CameraCalibration:
     tilts: Tilts
     unseen: Unseen | None
     verdict: Verdict
+    other: OtherModel | None = None
 
     @property
     def lens(self) -> Lens:
@@ -75,15 +77,17 @@ def calibrate_camera(
     fit, known = fit_best(kept, size, model)
     say("testing on unseen views")
     unseen = unseen_views(kept, fit)
+    say("comparing the lens models")
+    other = compare_models(kept, fit)
     coverage, tilts = coverage_of(kept, size), tilts_of(fit)
     order = {each.name: k for k, each in enumerate(found)}
     rejected = sorted(rejected + blurred + outliers, key=lambda each: order.get(each.name, 0))
     blur_px = float(np.median([v.blur_px for v in kept]))
-    verdict = judge(fit, known, coverage, tilts, unseen.rms_px if unseen else 0.0, blur_px, rejected)
+    verdict = judge(fit, known, coverage, tilts, unseen.rms_px if unseen else 0.0, blur_px, rejected, other)
     shares = [v.marker_share for v in kept if v.marker_share is not None]
     if note := marker_note(board, shares):
         verdict = Verdict(verdict.grade, verdict.reasons, (*verdict.notes, note))
-    return CameraCalibration(fit, known, tuple(kept), tuple(rejected), dropped, coverage, tilts, unseen, verdict)
+    return CameraCalibration(fit, known, tuple(kept), tuple(rejected), dropped, coverage, tilts, unseen, verdict, other)
 
 
 def too_few(views: Sequence[BoardView], rejected: Sequence[Rejected]) -> str:
@@ -113,6 +117,12 @@ def _sharp(views: Sequence[BoardView]) -> tuple[list[BoardView], list[Rejected]]
     return sharp, blurred
 
 
+def _better_model(views: list[BoardView], size: tuple[int, int], model: str) -> str:
+    """A sentence, if the other model fits all views better; else nothing."""
+    other = compare_models(views, fit_lens(views, size, model))
+    return f" {better_model_reason(model, other).capitalize()}" if other and other.clearly_better_by > 1.5 else ""
+
+
 def _consistent(
     views: list[BoardView], size: tuple[int, int], model: str
 ) -> tuple[list[BoardView], list[Rejected], int]:
@@ -134,7 +144,7 @@ def _consistent(
                 f"more than {most} of {len(views)} views do not fit the others (the last, {kept[worst].name}, is off "
                 f"by "
                 f"{errors[worst]:.2f} px): is the board flat and its file right, was zoom or focus changed meanwhile, "
-                "and is it the right --model?"
+                f"and is it the right --model?{_better_model(views, size, model)}"
             )
         without = [view for k, view in enumerate(kept) if k != worst]
         detail = f"off by {errors[worst]:.2f} px (RMS), the better views by {typical:.2f} px"

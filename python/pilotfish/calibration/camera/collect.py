@@ -13,6 +13,7 @@ from pilotfish.calibration.camera.choosing import CHOSEN, KNOWN, MOVED, NOTHING,
 from pilotfish.calibration.camera.coverage import Coverage, coverage_of, tilts_of
 from pilotfish.calibration.camera.detector import BoardDetector
 from pilotfish.calibration.camera.fit import MIN_VIEWS, fit_lens, uncertainty
+from pilotfish.calibration.camera.other_model import compare_models
 from pilotfish.calibration.camera.pictures import Pictures
 from pilotfish.calibration.camera.verdict import GOOD, judge
 from pilotfish.calibration.camera.views import BoardView, Rejected
@@ -151,5 +152,8 @@ def _advice(found: Found, coverage: Coverage, model: str) -> tuple[str, bool]:
     except CalibrationError:
         return "tilt the board more, to different sides", False
     blur_px = float(np.median([v.blur_px for v in views]))
-    verdict = judge(fit, uncertainty(views, fit), coverage, tilts_of(fit), 0.0, blur_px)
+    known, tilts = uncertainty(views, fit), tilts_of(fit)
+    verdict = judge(fit, known, coverage, tilts, 0.0, blur_px)
+    if verdict.grade == GOOD:  # a second fit, and only where it decides
+        verdict = judge(fit, known, coverage, tilts, 0.0, blur_px, other=compare_models(views, fit))
     return verdict.reasons[-1] if verdict.reasons else "good", verdict.grade == GOOD

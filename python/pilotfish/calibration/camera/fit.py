@@ -17,6 +17,7 @@ MIN_VIEWS = 4
 K3_SIGMAS = 3.0  # k3 that is not clearly there is left out: it would only blow up the others' uncertainty
 _POSE_ITERATIONS = 10
 _FISHEYE_F_SHARE = 1.0 / np.pi  # of the longer side, as OpenCV's first guess: 180 degrees across it
+_LOST_RMS_PX = 5.0  # a fisheye fit that ends above has not found its minimum
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def fit_lens(
         if model == "pinhole":
             fitted = _pinhole(cv2, points, corners, size, with_k3, start)
         else:
-            fitted = _fisheye(cv2, points, corners, size, start)
+            fitted = _fisheye_from_any(cv2, points, corners, size, start)
     except cv2.error as error:
         raise CalibrationError(
             f"OpenCV cannot calibrate from these {len(views)} views ({' '.join(str(error.err).split())}): take views "
@@ -140,6 +141,27 @@ def _pinhole(cv2, points, corners, size, with_k3, start):
     return K, D, rotations, translations
 
 
+def _fisheye_from_any(cv2, points, corners, size, start):
+    """From ``start``, else from 180 degrees across the picture; if the fit is lost from there, as it is with a lens of
+    half that, from the focal length that a pinhole model finds."""
+    try:
+        rms_px, fitted = _fisheye(cv2, points, corners, size, start)
+        if start is not None or rms_px < _LOST_RMS_PX:
+            return fitted
+    except cv2.error:
+        if start is not None:
+            raise
+        rms_px, fitted = np.inf, None
+    K = _pinhole(cv2, points, corners, size, False, None)[0]
+    try:
+        second_rms_px, second = _fisheye(cv2, points, corners, size, lens_of("fisheye", size, K, np.zeros(4)))
+    except cv2.error:
+        if fitted is None:
+            raise
+        return fitted
+    return second if second_rms_px < rms_px else fitted
+
+
 def _fisheye(cv2, points, corners, size, start):
     # Its first guess of the poses fails where a start of the lens is far off, which the longer side over pi seldom is.
     criteria = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-12)
@@ -154,7 +176,7 @@ def _fisheye(cv2, points, corners, size, start):
         K, D = start.matrix, np.array(start.distortion).reshape(4, 1)
     points = [each.astype(np.float64).reshape(1, -1, 3) for each in points]
     corners = [each.astype(np.float64).reshape(1, -1, 2) for each in corners]
-    _, K, D, rotations, translations = cv2.fisheye.calibrate(
+    rms_px, K, D, rotations, translations = cv2.fisheye.calibrate(
         points, corners, size, K, D, flags=flags, criteria=criteria
     )
-    return K, D, rotations, translations
+    return rms_px, (K, D, rotations, translations)

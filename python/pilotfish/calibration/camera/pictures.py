@@ -9,7 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pilotfish.capture import PICTURE_SUFFIXES, CaptureError, open_camera, open_video
+from pilotfish.calibration.live_camera import camera_frames, camera_number
+from pilotfish.calibration.video_length import pictures_in_video
+from pilotfish.capture import PICTURE_SUFFIXES, CaptureError, open_video
 from pilotfish.core import Reason
 from pilotfish.errors import CalibrationError, MissingFileError
 from pilotfish.extras import require
@@ -53,8 +55,8 @@ class Pictures:
 def open_pictures(source: str, size: tuple[int, int] = DEFAULT_SIZE, rate_hz: float = 30.0) -> Pictures:
     """``source``: a folder, a video file, or ``camera:N`` (then at ``size`` and ``rate_hz``); ``images:DIR`` and
     ``video:FILE`` as the coordinator spells them. MissingFileError, CalibrationError."""
-    if match := re.fullmatch(r"camera:(\d+)", source):
-        return Pictures(CAMERA, None, _camera(int(match[1]), size, rate_hz))
+    if (number := camera_number(source)) is not None:
+        return Pictures(CAMERA, None, _camera(number, size, rate_hz))
     path = Path(re.sub(r"^(images|video):", "", source))
     if path.is_dir():
         files = sorted((f for f in path.iterdir() if f.suffix.lower() in PICTURE_SUFFIXES), key=_natural)
@@ -66,7 +68,7 @@ def open_pictures(source: str, size: tuple[int, int] = DEFAULT_SIZE, rate_hz: fl
         raise MissingFileError(f"{source}: no such file or folder; a camera is spelled camera:0")
     if path.suffix.lower() in PICTURE_SUFFIXES:
         raise CalibrationError(f"{path}: one picture is not enough; name the folder with all of them")
-    return Pictures(VIDEO, None, _video(path))
+    return Pictures(VIDEO, pictures_in_video(path), _video(path))
 
 
 def _natural(file: Path) -> list[tuple[int, int, str]]:
@@ -95,15 +97,5 @@ def _video(path: Path) -> Iterator[Picture]:
 
 
 def _camera(number: int, size: tuple[int, int], rate_hz: float) -> Iterator[Picture]:
-    try:
-        source = open_camera(number, width=size[0], height=size[1], frame_rate_hz=rate_hz)
-    except CaptureError as error:
-        raise CalibrationError(str(error)) from error
-    count = 0
-    while not source.ended:
-        frame = source.next()
-        if frame is None:
-            continue
-        count += 1
+    for count, frame in enumerate(camera_frames(number, size, rate_hz), 1):
         yield Picture(f"picture {count}", frame.image if frame.defect == Reason.none else None)
-    raise CalibrationError(source.why_ended or f"camera:{number} has ended")

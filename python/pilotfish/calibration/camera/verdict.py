@@ -10,6 +10,7 @@ import numpy as np
 from pilotfish.calibration.board import Board
 from pilotfish.calibration.camera.coverage import TILTED_DEG, Coverage, Tilts
 from pilotfish.calibration.camera.fit import Fit
+from pilotfish.calibration.camera.other_model import OtherModel
 from pilotfish.calibration.camera.views import BLURRED, Rejected
 from pilotfish.calibration.covariance import Uncertainty
 
@@ -26,6 +27,7 @@ VIEWS = (15, 8)
 COVERED_SHARE = (0.7, 0.4)
 TILTED_VIEWS = (5, 3)
 BLUR_PX = (1.5, 3.0)
+OTHER_MODEL_FACTOR = (1.03, 1.5)  # by which the other lens model may fit better
 MARKER_SHARE_OFF = 0.12  # relative; OpenCV sees markers some 4 % too small
 MANY_REJECTED = 0.3
 
@@ -65,8 +67,10 @@ def judge(
     unseen_rms_px: float,
     blur_px: float,
     rejected: Sequence[Rejected] = (),
+    other: OtherModel | None = None,
 ) -> Verdict:
-    """The verdict on a fit and its uncertainty; ``blur_px``: median of the views'."""
+    """The verdict on a fit and its uncertainty; ``blur_px``: median of the views'; ``other``: the other lens model on
+    the same corners."""
     judge_ = _Judge()
     lens, sigma = fit.lens, known.sigma
     views = len(fit.residuals_px)
@@ -85,8 +89,8 @@ def judge(
             tilts.tilted, TILTED_VIEWS, f"{count} tilted views ({TILTED_DEG:.0f} degrees or more): {uncertain}"
         )
     elif len(tilts.sides) < 2:
-        other = "up/down" if tilts.sides == ("left/right",) else "left/right"
-        judge_.at_least(0, (1, 0), f"tilted views to one side only: tilt the board {other}, too")
+        missing = "up/down" if tilts.sides == ("left/right",) else "left/right"
+        judge_.at_least(0, (1, 0), f"tilted views to one side only: tilt the board {missing}, too")
     judge_.at_most(focal, FOCAL_SHARE, f"{uncertain}: more tilted views (20 to 45 degrees), nearer ones")
     centre = float(max(sigma[2], sigma[3]))
     judge_.at_most(
@@ -101,6 +105,8 @@ def judge(
         f"the corners are off by {fit.rms_px:.2f} px (RMS): is the board flat and printed true, were it and the camera "
         "still, and is this the right lens model?",
     )
+    if other is not None:
+        judge_.at_most(other.clearly_better_by, OTHER_MODEL_FACTOR, better_model_reason(fit.lens.model, other))
     if unseen_rms_px > UNSEEN_FLOOR_PX and fit.rms_px > 0:
         judge_.at_most(
             unseen_rms_px / fit.rms_px,
@@ -110,6 +116,14 @@ def judge(
         )
     judge_.at_most(blur_px, BLUR_PX, f"the pictures are blurred ({blur_px:.1f} px): focus, more light, hold still")
     return Verdict(judge_.grade, tuple(judge_.reasons), _notes(views, rejected))
+
+
+def better_model_reason(model: str, other: OtherModel) -> str:
+    """What to do where the other model fits better than ``model``."""
+    return (
+        f"the {other.model} model fits {other.times_better:.2g} times better than the {model} model: calibrate with "
+        f"--model {other.model}; the pictures can stay"
+    )
 
 
 def _notes(views: int, rejected: Sequence[Rejected]) -> tuple[str, ...]:

@@ -28,6 +28,7 @@ LARGE_WANDER_M = 0.005
 LARGE_RMS_PX = 0.5
 SMALL_TURN_RAD, SMALL_DRIVE_M = math.radians(25.0), 0.4
 MAX_CURVATURE_PM = 0.3
+TO_THE_REAR_RAD = math.radians(120.0)
 
 
 @dataclass(frozen=True)
@@ -254,7 +255,7 @@ def _result(
     turned_rad = float(np.ptp(theta))
     driven_m = float(np.ptp(s)) if len(s) else 0.0
     curvature = float(drive.start[3]) if len(s) else 0.0
-    warnings = _warnings(turned_rad, driven_m, curvature, slip, rms_px, known_pan)
+    warnings = _warnings(turned_rad, driven_m, curvature, slip, rms_px, known_pan, pan)
     pictures = (int(drive.turning.sum()), int((~drive.turning).sum()))
     return MountingCalibration(
         mounting,
@@ -285,9 +286,14 @@ def _height(drive: Drive, sightings: Sightings, height: HeightKnown | None) -> t
 
 
 def _warnings(
-    turned_rad: float, driven_m: float, curvature_pm: float, slip: Slip, rms_px: float, known_pan: bool
+    turned_rad: float, driven_m: float, curvature_pm: float, slip: Slip, rms_px: float, known_pan: bool, pan_rad: float
 ) -> tuple[str, ...]:
     warnings = []
+    if not known_pan and abs(pan_rad) > TO_THE_REAR_RAD:
+        warnings.append(
+            f"by this the camera looks to the rear (pan {math.degrees(pan_rad):.0f} degrees): if it looks ahead, the "
+            "drive was the other way round: add --backwards, or leave it out"
+        )
     if turned_rad < SMALL_TURN_RAD:
         warnings.append(
             f"the robot turned by {math.degrees(turned_rad):.0f} degrees only: more places the camera better"

@@ -14,6 +14,7 @@ from pilotfish.errors import CalibrationError
 CLEAR_FACTOR = 2.0  # by how much the better of a tag's two poses must fit better to be taken at once
 MIN_TURN_RAD = math.radians(10.0)
 MIN_DRIVE_M = 0.05
+MAX_BACK = 0.25  # of the way: more is no noise, and no slip
 _ROUNDS = 5
 
 
@@ -101,6 +102,7 @@ def guess_drive(
                 f"drive "
                 "straight for half a metre or more"
             )
+        _check_one_way(t)
         x = x - (x @ up_c) * up_c
     else:
         x = _ahead(up_c, 0.0 if pan_rad is None else pan_rad)
@@ -120,6 +122,18 @@ def guess_drive(
         s = (wMb[:, :2, 3] - start[:2]) @ ahead
         s = s - s[0]
     return bMc, wMt, theta, s, start
+
+
+def _check_one_way(places_m: np.ndarray) -> None:
+    """CalibrationError if (M, 3) successive places lead back by more than MAX_BACK of the whole way: then neither their
+    order nor --backwards says which direction is forward."""
+    main = np.linalg.svd(places_m - places_m.mean(axis=0))[2][0]
+    along = places_m @ main
+    back = min((np.maximum.accumulate(way) - way).max() for way in (along, -along))
+    if back > MAX_BACK * np.ptp(along):
+        raise CalibrationError(
+            f"in the straight drive the robot went back by {back:.2f} m: let it drive in one direction only"
+        )
 
 
 def _ahead(up_c: np.ndarray, pan_rad: float) -> np.ndarray:

@@ -12,6 +12,7 @@ from pilotfish.black_box import Event, events_in
 from pilotfish.black_box.log import files_in
 from pilotfish.bus import BusError, LogReader, channel
 from pilotfish.calibration.mounting.phases import Odometry
+from pilotfish.calibration.video_length import pictures_in_video
 from pilotfish.capture import PICTURE_SUFFIXES, CaptureError, open_images, open_video
 from pilotfish.core import Frame
 from pilotfish.errors import CalibrationError, MissingFileError
@@ -40,14 +41,14 @@ def open_film(path: Path, robot: str = "ROBOT1") -> Film:
     MissingFileError, CalibrationError.
     """
     if not path.exists():
-        raise MissingFileError(f"{path}: no such file or folder")
+        raise MissingFileError(f"{path}: no such file or folder; a camera is spelled camera:0")
     try:
         if is_log(path):
             return _log(path, robot)
         if path.is_dir():
             pictures = sum(1 for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
             return Film(iter(open_images(str(path))), pictures or None)
-        return Film(iter(open_video(str(path))), None)
+        return Film(iter(open_video(str(path))), pictures_in_video(path))
     except CaptureError as error:
         raise CalibrationError(str(error)) from error
 
