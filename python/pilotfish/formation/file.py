@@ -207,7 +207,7 @@ def _stages(
             placed.append(shapes.places(shape, count))
         except ValueError as error:
             raise config_error(f"{where}{'tree' if shape.name == 'tree' else 'robots'}", str(error), file) from error
-        _check_apart(placed[-1], bounds, where, shape, file)
+        _check_apart(placed[-1], outlook, where, shape, file)
     leaders = _explicit(timed, count, file)
     for robot in list(placed[0])[1:]:
         if robot not in leaders:
@@ -262,12 +262,17 @@ def _refused(problem, shape: Shape, where: str, robot: str, places: Mapping[str,
     return config_error(f"{where}{'spacing_m' if kind == 'distance' else sized}", text, file)
 
 
-def _check_apart(places: Mapping[str, Place], bounds: Bounds, where: str, shape: Shape, file: Path) -> None:
+def _check_apart(places: Mapping[str, Place], outlook: Outlook, where: str, shape: Shape, file: Path) -> None:
+    """Any two robots are so far apart that both can turn on the spot."""
+    least_m = 2.0 * outlook.radius_m
     for (a, at_a), (b, at_b) in itertools.combinations(places.items(), 2):
-        if (apart_m := math.dist(at_a, at_b)) < bounds.nearest_m - 1e-9:
-            key = "tree" if shape.name == "tree" else "angle_deg" if shape.name == "star" else "spacing_m"
-            what = f"{a} and {b} would be {apart_m:.2f} m apart, less than {bounds.nearest_m:.2f} m"
-            raise config_error(f"{where}{key}", f"{what}, {bounds.why_nearest}", file)
+        if (apart_m := math.dist(at_a, at_b)) < least_m - 1e-9:
+            key = {"tree": "tree", "star": "angle_deg"}.get(shape.name, "spacing_m")
+            problem = (
+                f"{a} and {b} would be {apart_m:.2f} m apart; allowed: {least_m:.2f} m or more, so that both can turn "
+                "on the spot"
+            )
+            raise config_error(f"{where}{key}", problem, file)
 
 
 def _bounds(config: CoordinatorConfig, outlook: Outlook) -> Bounds:

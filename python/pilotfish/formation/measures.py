@@ -113,9 +113,9 @@ def forming(run: FormationRun) -> list[Forming]:
 
 
 def place_errors_m(run: FormationRun) -> dict[str, FloatArray]:
-    """(N,) for each robot: how far it is from its place in the last shape, in the frame of the leader in front. A robot
-    that keeps distance and bearing comes to its place once all robots look the same way, as they do behind a leader that
-    drives straight ahead: a robot d behind turns to the leader's heading with the time constant d / v."""
+    """(N,) for each robot: how far it is from its place in the last shape, in the frame of the leader in front.
+    A robot that keeps distance and bearing comes to its place once all robots look the same way, as they do behind a
+    leader that drives straight ahead: a robot d behind turns to the leader's heading with the time constant d / v."""
     first = next(each for each in run.recordings.values() if each.meta.leader not in run.recordings)
     at_x, at_y, heading = first.leader_x_m, first.leader_y_m, first.leader_heading_rad
     last = [stage for stage in run.formation.stages if stage.at_s <= first.time_s[-1]][-1]

@@ -40,7 +40,7 @@ class Outlook:
         return np.array([tag.oMt[:3, 2] for tag in self.body.tags])
 
     @cached_property
-    def cMb(self) -> np.ndarray:
+    def camera_from_base(self) -> np.ndarray:
         """(4, 4): from the base to the camera."""
         return np.linalg.inv(self.viewer.mounting.bMc)
 
@@ -55,6 +55,12 @@ class Outlook:
             min(-width_m / 2, float(y_m.min())),
             max(width_m / 2, float(y_m.max())),
         )
+
+    @property
+    def radius_m(self) -> float:
+        """Of the circle around the turning centre that the footprint lies in [m]."""
+        rear, front, right, left = self.footprint_m
+        return math.hypot(max(front, -rear), max(left, -right))
 
     @cached_property
     def reach_m(self) -> tuple[float, float]:
@@ -72,8 +78,8 @@ def whole_tags(outlook: Outlook, leader: Pose, others: Iterable[Pose] = ()) -> l
     c, s = math.cos(heading_rad), math.sin(heading_rad)
     bRo = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     points_b = outlook.sheets_m @ bRo.T + (x_m, y_m, 0.0)
-    points_c = points_b @ outlook.cMb[:3, :3].T + outlook.cMb[:3, 3]
-    away_c = outlook.into_wall @ (outlook.cMb[:3, :3] @ bRo).T
+    points_c = points_b @ outlook.camera_from_base[:3, :3].T + outlook.camera_from_base[:3, 3]
+    away_c = outlook.into_wall @ (outlook.camera_from_base[:3, :3] @ bRo).T
     eye = outlook.viewer.mounting.position_m[:2]
     obstacles = list(others)
     return [
@@ -124,9 +130,8 @@ def _in_picture(outlook: Outlook, points_c: np.ndarray) -> bool:
 def _hidden(outlook: Outlook, eye: Sequence[float], points: np.ndarray, obstacle: Pose) -> bool:
     """Whether a straight line from the eye to one of the points (K, 2) crosses the obstacle's footprint."""
     rear, front, right, left = outlook.footprint_m
-    # A quick no: as a disc around its centre it is beside all of the lines.
-    radius_m = math.hypot(max(front, -rear), max(left, -right))
-    farthest_m = float(np.abs(points).sum(axis=1).max()) + radius_m
+    # A quick no: it is farther away than any of the points.
+    farthest_m = float(np.abs(points).sum(axis=1).max()) + outlook.radius_m
     if abs(obstacle[0]) > farthest_m or abs(obstacle[1]) > farthest_m:
         return False
     start = seen_from(obstacle, (float(eye[0]), float(eye[1]), 0.0))
