@@ -66,7 +66,8 @@ NO_READER = 141  # 128 + SIGPIPE: `| head` has seen enough, as a shell says it
 @contextmanager
 def progress(label: str) -> Iterator[OnProgress]:
     """A bar on stderr that the yielded function moves: ``step(done, total)``, total None if unknown."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    left = (TextColumn("left:"), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), *left)
     with Progress(*columns, console=_errors) as bar:
         task = bar.add_task(label, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)

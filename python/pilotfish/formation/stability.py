@@ -37,6 +37,8 @@ SETTLE_S = 12.0  # of the leader's start and the sine's, and ...
 SETTLE_PER_ROBOT_S = 2.5  # ... for each robot behind: the wave's way through the chain
 MIN_WINDOW_S = 10.0
 MIN_PERIODS = 2
+NOISE_SHARE = 0.01  # of the leader's amplitude: what is less is no answer but noise, and has been damped
+STABLE_GAIN = 1.01
 RISE_MPS2 = 0.1  # with which the leader takes up its mean speed
 
 
@@ -60,9 +62,10 @@ class Stability:
     law: str
     headway_s: float
     frequencies_hz: FloatArray  # (F,)
-    gain: FloatArray  # (F, R - 1): |V_i / V_(i-1)| of the follower i = 1 ... R - 1; nan: it had lost its leader
-    from_leader: FloatArray  # (F, R - 1): |V_i / V_0|
-    error_gain: FloatArray  # (F, R - 2): |E_(i+1) / E_i| of the spacing error
+    gain: FloatArray  # (F, R - 1): |V_i / V_(i-1)| of the follower i = 1 ... R - 1; nan: lost, or |V_(i-1)| is noise
+    from_leader: FloatArray  # (F, R - 1): |V_i / V_0|; nan: lost
+    error_gain: FloatArray  # (F, R - 2): |E_(i+1) / E_i| of the spacing error; nan as in gain
+    lost: np.ndarray  # (F, R - 1) bool: the robot, or one before it, did not see its leader in 1 % of the pictures
     residual_mps: FloatArray  # (F, R): RMS of the speed beside the sine
     step: StepResponse
     seen_ratio: FloatArray  # (R - 1,): least share of pictures in which the robot saw its leader, of all runs
@@ -85,7 +88,7 @@ class Stability:
     @property
     def string_stable(self) -> bool:
         """Whether no robot amplifies by more than 1 % at any of the frequencies."""
-        return bool(self.peak_gain <= 1.01 and np.isfinite(self.gain).all())
+        return bool(self.peak_gain <= STABLE_GAIN and not self.lost.any())
 
 
 def measure(
@@ -189,14 +192,16 @@ def _gathered(law: str, headway_s: float, trial: Trial, sines, stepped) -> Stabi
     seen = np.array([*(sine[3] for sine in sines), stepped[1]]).min(axis=0)
     lost = np.array([sine[3] for sine in sines]) < 0.99
     lost = np.logical_or.accumulate(lost, axis=1)  # who follows one that is lost says nothing about the law
-    gain = np.where(lost, np.nan, speed[:, 1:] / speed[:, :-1])
+    unknown = lost | (speed[:, :-1] < NOISE_SHARE * speed[:, :1])
+    gain = np.where(unknown, np.nan, speed[:, 1:] / speed[:, :-1])
     return Stability(
         law=law,
         headway_s=headway_s,
         frequencies_hz=np.array(trial.frequencies_hz),
         gain=gain,
         from_leader=np.where(lost, np.nan, speed[:, 1:] / speed[:, :1]),
-        error_gain=np.where(lost[:, 1:], np.nan, error[:, 1:] / error[:, :-1]),
+        error_gain=np.where(unknown[:, 1:], np.nan, error[:, 1:] / error[:, :-1]),
+        lost=lost,
         residual_mps=np.array([sine[2] for sine in sines]),
         step=stepped[0],
         seen_ratio=seen,
@@ -220,6 +225,8 @@ def _plain(value: Any) -> Any:
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, np.ndarray | list | tuple):
         return [_plain(each) for each in value]
+    if isinstance(value, np.bool_):
+        return bool(value)
     if isinstance(value, float | np.floating):
         return float(value) if np.isfinite(value) else None
     return str(value) if isinstance(value, Path) else value
