@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -96,10 +97,9 @@ def expand(
       pilotfish experiment ./diamond.yaml --profile anticipate
     """
     from pilotfish.cli.console import warn
-    from pilotfish.errors import ConfigError
     from pilotfish.formation import find_formation, load_formation
     from pilotfish.formation.expand import expand as write
-    from pilotfish.harness.scenario import Scenario
+    from pilotfish.formation.expand import load_expanded
     from pilotfish.whole_files import check_not_among
 
     with friendly_errors():
@@ -109,11 +109,9 @@ def expand(
         check_writable(out)
         check_not_among(out, [source])
         formation = load_formation(source)
+        with tempfile.TemporaryDirectory(prefix="pilotfish-") as folder:
+            load_expanded(formation, Path(folder))  # refused before anything is written
         write(formation, out)
-        try:
-            Scenario.load(out)
-        except ConfigError as error:
-            raise ConfigError(f"{source}: as a scenario: {error}") from error
         console.print(f"wrote {out} and {out.with_name(f'{out.stem}_files')}", soft_wrap=True)
         if len(formation.stages) > 1:
             warn(
@@ -220,6 +218,9 @@ def stability(
     from pilotfish.formation.stability import FREQUENCIES_HZ, LAWS, Trial, measure, to_json
     from pilotfish.whole_files import write_whole
 
+    if amplitude_mps >= speed_mps:
+        limit = f"less than the speed ({speed_mps:g} m/s), so that the leader never stops"
+        raise typer.BadParameter(f"--amplitude-mps: {amplitude_mps:g} is not {limit}")
     frequencies_hz = _numbers("--frequency-hz", frequency_hz, FREQUENCIES_HZ, 0.005, 5.0, "Hz")
     headways_s = _numbers("--headway-s", headway_s, (0.0,), 0.0, 10.0, "s")
     laws = list(dict.fromkeys(each.value for each in law)) if law else list(LAWS)

@@ -16,6 +16,7 @@ import numpy as np
 
 from pilotfish import coordinator, core, sim
 from pilotfish.errors import ConfigError
+from pilotfish.formation.drawn_world import without_pictures
 from pilotfish.formation.expand import load_expanded
 from pilotfish.formation.file import Formation, read_formation
 from pilotfish.harness.drawn_observations import DrawnObservations
@@ -58,7 +59,7 @@ def drive_chain(
     with tempfile.TemporaryDirectory(prefix="pilotfish-") as folder:
         scenario = load_expanded(formation, Path(folder))
         configs = [coordinator.load_coordinator(robot.coordinator_file).coordinator for robot in scenario.robots]
-        spec = with_free_leader(sim.load_scenario(scenario.file))
+        spec = without_pictures(with_free_leader(sim.load_scenario(scenario.file)))
     drivers = [_driver(config, law, headway_s) for config in configs]
     world, drawn = sim.World(spec), DrawnObservations(seed)
     names, period_s = formation.robots, 1.0 / formation.frame_rate_hz

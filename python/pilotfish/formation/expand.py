@@ -4,7 +4,9 @@ configuration and the tags of each robot."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ import yaml
 
 from pilotfish.errors import ConfigError
 from pilotfish.files import read_text
-from pilotfish.formation.file import BOX_M, Formation
+from pilotfish.formation.file import BOX_M, Formation, is_formation, load_formation
 from pilotfish.formation.keys import config_error
 from pilotfish.formation.watching import Watch
 from pilotfish.harness.scenario import Scenario
@@ -58,7 +60,23 @@ def load_expanded(formation: Formation, folder: Path) -> Scenario:
     try:
         return Scenario.load(expand(formation, folder / f"{formation.name}.yaml"))
     except ConfigError as error:
-        raise ConfigError(f"{formation.file}: as a scenario: {error}") from error
+        text = str(error).replace(f"{folder}/", "")
+        raise ConfigError(f"{formation.file}: as a scenario: {text}") from error
+
+
+@contextmanager
+def scenario_of(name: str) -> Iterator[str]:
+    """The scenario that ``name`` stands for: if it is a formation file, one made of it, which is gone afterwards; any
+    other name as it is. ConfigError if the formation changes its shape, which no scenario can say."""
+    if not (Path(name).is_file() and is_formation(name)):
+        yield name
+        return
+    formation = load_formation(name)
+    if len(formation.stages) > 1:
+        raise config_error("changes", f"a scenario has none; play it with: pilotfish formation run {name}", name)
+    with tempfile.TemporaryDirectory(prefix="pilotfish-") as folder:
+        load_expanded(formation, Path(folder))
+        yield str(Path(folder) / f"{formation.name}.yaml")
 
 
 def tag_offsets(formation: Formation) -> dict[str, int]:

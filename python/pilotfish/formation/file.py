@@ -24,6 +24,7 @@ BOX_M = (0.24, 0.30, 0.30)  # length, width, height of every robot's box, as in 
 TRAJECTORY = {"kind": "line", "speed_mps": 0.2, "acceleration_mps2": 0.5}
 MAX_BEARING_DEG = 70.0  # core/setpoint.hpp
 _FAR_M = 20.0
+_LEAST_STAGE_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -176,9 +177,10 @@ def _read_changes(keys: Keys, first: Shape, count: int, duration_s: float) -> li
     """(at_s, over_s, shape, "changes[k].") of each; what a change does not say stays as it was."""
     changes, shape, earliest_s = [], first, 0.0
     for k, entry in enumerate(keys.mappings("changes")):
-        at_s = entry.number("at_s", None, 0.0, duration_s)
+        at_s = entry.number("at_s", None, _LEAST_STAGE_S, duration_s)
         if at_s < earliest_s:
-            raise entry.error("at_s", f"{at_s:g} is before the change before it has ended ({earliest_s:g} s)")
+            allowed = f"allowed: {earliest_s:g} to {duration_s:g}"
+            raise entry.error("at_s", f"{at_s:g} is before the change before it has ended; {allowed}")
         over_s = entry.number("over_s", 0.0, 0.0, duration_s)
         name = entry.text("shape", shape.name, choices=shapes.SHAPES)
         if name == "tree":
@@ -192,7 +194,7 @@ def _read_changes(keys: Keys, first: Shape, count: int, duration_s: float) -> li
             if name != shape.name or entry.has("angle_deg") or entry.has("depth_m"):
                 changed = _read_sizes(entry, changed)
             shape = changed
-        earliest_s = at_s + over_s
+        earliest_s = at_s + max(over_s, _LEAST_STAGE_S)
         changes.append((at_s, over_s, shape, f"changes[{k}]."))
         entry.finish()
     return changes

@@ -41,8 +41,8 @@ class Gaps:
 
 def path_of(path: str, robots: int, spacing_m: float, speed_mps: float) -> tuple[dict[str, Any], float]:
     """(trajectory as in a scenario, duration [s]) of one that such a chain can follow. The circle's last robot turns
-    with a radius of 1.5 m or more; the eight is half as long again as the chain in each lobe, so that its end has left
-    the crossing before its head is there again. The last quarter of the run is the second round."""
+    with a radius of 1.5 m or more. A lobe of the eight is 2.2 times as long as the chain: its end has to have left the
+    crossing before the head is there again. The run ends after a round and a third; its last quarter is that third."""
     profile = {"speed_mps": speed_mps, "acceleration_mps2": 0.2}
     settle_s = 10.0 + 4.0 * robots
     length_m = (robots - 1) * spacing_m
@@ -54,9 +54,9 @@ def path_of(path: str, robots: int, spacing_m: float, speed_mps: float) -> tuple
         return {"kind": "circle", "radius_m": radius_m, **profile}, max(settle_s, 2.0 * round_s)
     if path == "figure_eight":
         # A lap of Gerono's lemniscate with b = 0.75 a is 6.1 a long, a lobe half of that.
-        half_length_m = round(max(2.0, 1.5 * length_m / 3.05), 1)
+        half_length_m = round(max(2.0, 2.2 * length_m / 3.05), 1)
         lap_s = 6.1 * half_length_m / speed_mps
-        shape = {"half_length_m": half_length_m, "half_width_m": 0.75 * half_length_m}
+        shape = {"half_length_m": half_length_m, "half_width_m": round(0.75 * half_length_m, 3)}
         return {"kind": "figure_eight", **shape, **profile}, 4.0 / 3.0 * lap_s
     raise ConfigError(f"path: '{path}' is not one of {', '.join(PATHS)}")
 

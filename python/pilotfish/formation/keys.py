@@ -57,7 +57,8 @@ class Keys:
         return config_error(f"{self._where}{key}", problem, self._file)
 
     def has(self, key: str) -> bool:
-        """Whether it is there."""
+        """Whether it is there; it may be."""
+        self._asked.add(key)
         return key in self._content
 
     def number(self, key: str, default: float | None, low: float, high: float) -> float:

@@ -8,14 +8,16 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from pilotfish import coordinator, core, sim
 from pilotfish.errors import HarnessError
+from pilotfish.formation.drawn_world import without_pictures
 from pilotfish.formation.expand import load_expanded
 from pilotfish.formation.file import Formation
-from pilotfish.formation.sight import Outlook, Pose, seen_from, whole_tags
+from pilotfish.formation.sight import Outlook, Pose, seen_from, sees
 from pilotfish.harness.drawn_observations import DrawnObservations
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.run import OnProgress, Run
@@ -56,8 +58,10 @@ def play(
             run, asked = run_with_messages(formation, scenario, law, duration_s, on_progress)
         else:
             feed = SetpointFeed(formation)
-            drawn = FormationSight(formation.seed, outlook=formation.outlook) if transport == "drawn" else None
-            how = {"drawn": drawn, "feed": feed, "duration_s": duration_s, "on_progress": on_progress}
+            how: dict[str, Any] = {"feed": feed, "duration_s": duration_s, "on_progress": on_progress}
+            if transport == "drawn":
+                how["drawn"] = FormationSight(formation.seed, outlook=formation.outlook)
+                how["spec"] = without_pictures(sim.load_scenario(scenario.file))
             run, asked = run_in_process(scenario, profile=law, **how), feed.asked
     return _with_setpoints(formation, law, run, asked)
 
@@ -107,21 +111,28 @@ class FormationSight(DrawnObservations):
     def __init__(self, seed: int, *, outlook: Outlook, **how: float) -> None:
         super().__init__(seed, half_view_rad=math.pi, **how)
         self.outlook = outlook
+        self._utime = -1
+        self._leaders: dict[str, str] = {}
+        self._now: dict[str, Pose] = {}
 
     def look(self, world: sim.World, robot: str) -> core.Observation | None:
         """As DrawnObservations.look."""
         seen = super().look(world, robot)
         if seen is None:
             return None
-        own, names = pose_of(world, robot), [spec.name for spec in self._robots(world)]
-        leader = next(spec.follows for spec in self._robots(world) if spec.name == robot)
-        others = [seen_from(own, pose_of(world, name)) for name in names if name not in (robot, leader)]
-        return seen if whole_tags(self.outlook, seen_from(own, pose_of(world, leader)), others) else None
+        poses = self._poses(world)
+        leader = self._leaders[robot]
+        others = [seen_from(poses[robot], pose) for name, pose in poses.items() if name not in (robot, leader)]
+        return seen if sees(self.outlook, seen_from(poses[robot], poses[leader]), others) else None
 
-    def _robots(self, world: sim.World) -> list[sim.RobotSpec]:
-        if not hasattr(self, "_specs"):
-            self._specs = world.scenario.robots  # a copy of all bodies and cameras: made once
-        return self._specs
+    def _poses(self, world: sim.World) -> dict[str, Pose]:
+        """Of all robots now; asked for once a picture, not once a robot."""
+        if self._utime != world.utime:
+            if not self._leaders:  # the scenario is a copy of all bodies and cameras: read once
+                self._leaders = {spec.name: spec.follows for spec in world.scenario.robots}
+            self._utime = world.utime
+            self._now = {name: pose_of(world, name) for name in self._leaders}
+        return self._now
 
 
 def pose_of(world: sim.World, robot: str) -> Pose:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -56,7 +56,7 @@ class Outlook:
             max(width_m / 2, float(y_m.max())),
         )
 
-    @property
+    @cached_property
     def radius_m(self) -> float:
         """Of the circle around the turning centre that the footprint lies in [m]."""
         rear, front, right, left = self.footprint_m
@@ -74,29 +74,39 @@ def whole_tags(outlook: Outlook, leader: Pose, others: Iterable[Pose] = ()) -> l
     """Which tags of a leader at ``leader`` are seen as a whole: all corners of the paper in the picture, at an angle at
     which a tag can be read, and no straight line from the camera to its corners or its centre through one of the
     ``others``. Indices into the body's tags."""
+    return list(_whole_tags(outlook, leader, others))
+
+
+def sees(outlook: Outlook, leader: Pose, others: Iterable[Pose] = ()) -> bool:
+    """Whether there is one of ``whole_tags``."""
+    return any(True for _ in _whole_tags(outlook, leader, others))
+
+
+def _whole_tags(outlook: Outlook, leader: Pose, others: Iterable[Pose]) -> Iterator[int]:
     x_m, y_m, heading_rad = leader
     c, s = math.cos(heading_rad), math.sin(heading_rad)
     bRo = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     points_b = outlook.sheets_m @ bRo.T + (x_m, y_m, 0.0)
     points_c = points_b @ outlook.camera_from_base[:3, :3].T + outlook.camera_from_base[:3, 3]
     away_c = outlook.into_wall @ (outlook.camera_from_base[:3, :3] @ bRo).T
-    eye = outlook.viewer.mounting.position_m[:2]
-    obstacles = list(others)
-    return [
-        k
-        for k in range(len(points_c))
-        if _faces(points_c[k, 0], away_c[k])
-        and _in_picture(outlook, points_c[k])
-        and not any(_hidden(outlook, eye, points_b[k, :, :2], pose) for pose in obstacles)
-    ]
+    eye_m = tuple(outlook.viewer.mounting.position_m[:2])
+    # Who is farther away than any tag, and half of himself, hides none.
+    reach_m = math.hypot(x_m, y_m) + 2.0 * outlook.radius_m
+    near = [pose for pose in others if pose[0] ** 2 + pose[1] ** 2 <= reach_m**2]
+    for k in range(len(points_c)):
+        if not (_faces(points_c[k, 0], away_c[k]) and _in_picture(outlook, points_c[k])):
+            continue
+        lines = points_b[k, :, :2].tolist() if near else []
+        if not any(_hidden(outlook, eye_m, lines, pose) for pose in near):
+            yield k
 
 
 def bearing_range_rad(outlook: Outlook, distance_m: float) -> tuple[float, float] | None:
     """(rightmost, leftmost) bearing at which a leader at that distance that looks the same way is seen, around the
     middle of the picture; None if it is not seen there at all. To 0.1 degrees."""
     middle_rad = outlook.viewer.mounting.pan_rad
-    sees = lambda bearing: bool(whole_tags(outlook, pose_at(distance_m, bearing)))  # noqa: E731
-    seen = [k for k in range(-900, 901) if sees(middle_rad + k * _STEP_RAD)]
+    at = lambda k: pose_at(distance_m, middle_rad + k * _STEP_RAD)  # noqa: E731
+    seen = [k for k in range(-900, 901) if sees(outlook, at(k))]
     return (middle_rad + seen[0] * _STEP_RAD, middle_rad + seen[-1] * _STEP_RAD) if seen else None
 
 
@@ -127,19 +137,12 @@ def _in_picture(outlook: Outlook, points_c: np.ndarray) -> bool:
     return True
 
 
-def _hidden(outlook: Outlook, eye: Sequence[float], points: np.ndarray, obstacle: Pose) -> bool:
-    """Whether a straight line from the eye to one of the points (K, 2) crosses the obstacle's footprint."""
+def _hidden(outlook: Outlook, eye_m: Sequence[float], points_m: Sequence[Sequence[float]], obstacle: Pose) -> bool:
+    """Whether a straight line from the eye to one of the points crosses the obstacle's footprint."""
     rear, front, right, left = outlook.footprint_m
-    # A quick no: it is farther away than any of the points.
-    farthest_m = float(np.abs(points).sum(axis=1).max()) + outlook.radius_m
-    if abs(obstacle[0]) > farthest_m or abs(obstacle[1]) > farthest_m:
-        return False
-    start = seen_from(obstacle, (float(eye[0]), float(eye[1]), 0.0))
-    for x_m, y_m in points:
-        end = seen_from(obstacle, (float(x_m), float(y_m), 0.0))
-        if _crosses(start, end, (rear, front), (right, left)):
-            return True
-    return False
+    start = seen_from(obstacle, (eye_m[0], eye_m[1], 0.0))
+    ends = (seen_from(obstacle, (x_m, y_m, 0.0)) for x_m, y_m in points_m)
+    return any(_crosses(start, end, (rear, front), (right, left)) for end in ends)
 
 
 def _crosses(start: Pose, end: Pose, *sides: tuple[float, float]) -> bool:

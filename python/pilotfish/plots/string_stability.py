@@ -34,9 +34,9 @@ def draw_string_stability(results: Sequence[Stability], title: str, theme: Theme
         between.set_ylim(top=max(2.0, between.get_ylim()[1]))
         lengths.set_yscale("log")
         lengths.axhline(1.0, color=theme.guide, linewidth=0.8)
-        lengths.set_xlabel("robots in the chain, with the leader [1]")
-        lengths.set_ylabel("peak gain, leader\nto last robot [1]")
-        step.set_xlabel("robot behind the leader [1]")
+        lengths.set_xlabel("robots in the chain, with the leader [-]")
+        lengths.set_ylabel("peak gain, leader\nto last robot [-]")
+        step.set_xlabel("robot behind the leader [-]")
         step.set_ylabel("after a step: greatest\ndistance error [mm]")
         for axes in (lengths, step):
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -66,4 +66,4 @@ def _finish_gain(axes: Axes, label: str, theme: Theme) -> None:
     axes.set_yscale("log")
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.set_xlabel("frequency of the leader's speed [Hz]")
-    axes.set_ylabel(f"{label} [1]")
+    axes.set_ylabel(f"{label} [-]")
