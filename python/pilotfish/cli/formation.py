@@ -37,6 +37,9 @@ RobotsOption = Annotated[int, typer.Option(min=2, max=25, help="Robots in the ch
 SpacingOption = Annotated[
     float, typer.Option("--spacing-m", callback=between(0.1, 5.0, "m"), help="Distance that each robot keeps.")
 ]
+SpeedOption = Annotated[
+    float, typer.Option("--speed-mps", callback=between(0.01, 2.0, "m/s"), help="Mean speed of the leader.")
+]
 ConfigOption = Annotated[
     Path | None,
     typer.Option("--config", exists=True, dir_okay=False, help="A coordinator's configuration for every robot."),
@@ -181,9 +184,7 @@ def stability(
     ] = None,
     robots: RobotsOption = 12,
     spacing_m: SpacingOption = 1.0,
-    speed_mps: Annotated[
-        float, typer.Option("--speed-mps", callback=between(0.01, 2.0, "m/s"), help="Mean speed of the leader.")
-    ] = 0.2,
+    speed_mps: SpeedOption = 0.2,
     amplitude_mps: Annotated[
         float, typer.Option("--amplitude-mps", callback=between(1e-4, 1.0, "m/s"), help="Of its sine.")
     ] = 0.02,
@@ -253,6 +254,7 @@ def gaps(
     law: Annotated[Tunable, typer.Option(help="The law that drives.")] = Tunable.anticipate,
     robots: RobotsOption = 12,
     spacing_m: SpacingOption = 1.0,
+    speed_mps: SpeedOption = 0.2,
     config: ConfigOption = None,
     json_file: JsonOption = None,
 ) -> None:
@@ -280,8 +282,8 @@ def gaps(
         results = []
         for path in PATHS:
             with progress(f"{path.replace('_', ' ')}, {law.value}") as step:
-                how = {"robots": robots, "spacing_m": spacing_m, "content": content, "on_progress": step}
-                results.append(steady_gaps(path, law.value, **how))
+                how = {"robots": robots, "spacing_m": spacing_m, "speed_mps": speed_mps, "content": content}
+                results.append(steady_gaps(path, law.value, **how, on_progress=step))
         console.print(gaps_table(results))
         if json_file:
             write_whole(json_file, json.dumps([asdict(result) for result in results], indent=1) + "\n")

@@ -72,23 +72,29 @@ class Stability:
 
     @property
     def peak_gain(self) -> float:
-        """The greatest gain from one robot to the next, of all frequencies and robots."""
-        return float(np.nanmax(self.gain))
+        """The greatest gain from one robot to the next, of all frequencies and robots; nan: none is known."""
+        return _greatest(self.gain)
 
     @property
     def peak_at_hz(self) -> float:
-        """Where that is."""
-        return float(self.frequencies_hz[np.unravel_index(np.nanargmax(self.gain), self.gain.shape)[0]])
+        """Where that is; nan: nowhere."""
+        known = [_greatest(row) for row in self.gain]
+        return next((float(f) for f, g in zip(self.frequencies_hz, known, strict=True) if g == self.peak_gain), np.nan)
 
     @property
     def peak_from_leader(self) -> FloatArray:
         """(R - 1,): for chains of 2 to R robots the greatest gain from the leader to the last robot."""
-        return np.array([np.nanmax(column) if np.isfinite(column).any() else np.nan for column in self.from_leader.T])
+        return np.array([_greatest(column) for column in self.from_leader.T])
 
     @property
     def string_stable(self) -> bool:
         """Whether no robot amplifies by more than 1 % at any of the frequencies."""
         return bool(self.peak_gain <= STABLE_GAIN and not self.lost.any())
+
+
+def _greatest(values: FloatArray) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if known.size else float("nan")
 
 
 def measure(
