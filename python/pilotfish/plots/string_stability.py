@@ -7,11 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, StrMethodFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, StrMethodFormatter
 
 from pilotfish.formation.stability import Stability
 from pilotfish.plots.laws import LawStyle, law_styles
 from pilotfish.plots.style import LIGHT, Theme, style
+
+_TICKS = (1.0, 2.0, 5.0)
 
 
 def draw_string_stability(results: Sequence[Stability], title: str, theme: Theme = LIGHT) -> Figure:
@@ -40,6 +42,8 @@ def draw_string_stability(results: Sequence[Stability], title: str, theme: Theme
         step.set_ylabel("after a step: greatest\ndistance error [mm]")
         for axes in (lengths, step):
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        for axes in (between, lengths):
+            axes.yaxis.set_major_locator(LogLocator(subs=_TICKS))
         for axes in (between, through, lengths):
             axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
             axes.yaxis.set_minor_formatter("")
@@ -64,6 +68,8 @@ def _finish_gain(axes: Axes, label: str, theme: Theme) -> None:
     axes.axhline(1.0, color=theme.guide, linewidth=0.8)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=_TICKS))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_formatter("")
     axes.set_xlabel("frequency of the leader's speed [Hz]")
     axes.set_ylabel(f"{label} [-]")
