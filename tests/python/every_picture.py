@@ -8,14 +8,19 @@ from synthetic_run import exponential_run
 
 from pilotfish import data, fuzzy
 from pilotfish.camera_view import CameraView
+from pilotfish.formation import formations, load_formation
+from pilotfish.formation.response import StepResponse
+from pilotfish.formation.stability import Stability
 from pilotfish.fuzzy_report import analyse
 from pilotfish.plots.comparison import draw_comparison
 from pilotfish.plots.distance_error import draw_distance_error
+from pilotfish.plots.formation_picture import draw_formation
 from pilotfish.plots.fuzzy_curve import draw_curve
 from pilotfish.plots.fuzzy_explanation import draw_explanation
 from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
 from pilotfish.plots.overview import Summary, draw_overview
 from pilotfish.plots.paths import draw_paths
+from pilotfish.plots.string_stability import draw_string_stability
 from pilotfish.plots.style import LIGHT, Theme
 from pilotfish.plots.surface import draw_surface
 from pilotfish.plots.sweep import draw_sensitivity, draw_sweep
@@ -64,6 +69,17 @@ def _explanation(theme: Theme) -> Figure:
     return draw_explanation(_law(), -0.2, 0.1, fuzzy.InputWidths(error=0.1), theme)
 
 
+def _stability(law: str) -> Stability:
+    """Of a chain of four whose robots are first-order lags, or amplify."""
+    frequencies_hz, robots = np.array([0.02, 0.1, 0.5, 1.0]), np.arange(1, 4)
+    lag_s = 0.1 * (1 + LAWS.index(law))
+    through = (1.0 + (2 * np.pi * frequencies_hz * lag_s)[:, None] ** 2) ** (-0.5 * robots)
+    step = StepResponse(0.1 * robots, 0.01 * lag_s * robots, np.ones(2), np.ones(2))
+    lost = np.zeros((4, 3), dtype=bool)
+    gain = np.tile(through[:, :1], 3)
+    return Stability(law, 0.0, frequencies_hz, gain, through, gain[:, 1:], np.zeros((4, 4)), lost, step, np.ones(3))
+
+
 DRAW = {
     "one run": lambda theme: draw_distance_error(exponential_run(), "A run", theme),
     "paths": lambda theme: draw_paths([exponential_run()], "From above", theme),
@@ -78,6 +94,8 @@ DRAW = {
     "campaign over a factor": lambda theme: _campaign(theme, np.array([0.1, 0.2, 0.3])),
     "campaign over names": lambda theme: _campaign(theme, np.array(["ideal", "late", "nonideal"])),
     "sensitivities": lambda theme: _sensitivities(theme),
+    "formation": lambda theme: draw_formation(load_formation(formations()["column"]), theme),
+    "string stability": lambda theme: draw_string_stability([_stability(law) for law in LAWS], "A chain", theme),
 }
 
 

@@ -27,7 +27,7 @@ EVERY_PICTURE = pytest.mark.parametrize("which", DRAW)
 BOTH_LOOKS = pytest.mark.parametrize("theme", [LIGHT, DARK], ids=lambda theme: theme.name)
 
 # Words, then the unit in brackets; "[-]" for a number without one.
-LABEL = re.compile(r"^\w.*\[(m|mm|s|m/s|°|°/s|-)\]", re.DOTALL)
+LABEL = re.compile(r"^\w.*\[(m|mm|s|Hz|m/s|°|°/s|-)\]", re.DOTALL)
 
 
 @pytest.fixture(scope="module")

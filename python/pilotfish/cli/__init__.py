@@ -16,6 +16,7 @@ from pilotfish.cli.demo import demo
 from pilotfish.cli.doctor import doctor
 from pilotfish.cli.experiment import experiment
 from pilotfish.cli.export import export
+from pilotfish.cli.formation import app as formation_app
 from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.help_text import let_help_flow
 from pilotfish.cli.init import init
@@ -40,7 +41,7 @@ _COMMANDS = {
 }
 _GROUPS = {
     "Set up a robot": {"calibrate": calibrate_app, "leader": leader_app, "key": key_app},
-    "Simulate": {"sweep": sweep_app},
+    "Simulate": {"sweep": sweep_app, "formation": formation_app},
     "The fuzzy law": {"fuzzy": fuzzy_app},
 }
 

@@ -35,7 +35,8 @@ def experiment(
         typer.Argument(
             metavar="NAME",
             autocompletion=experiments,
-            help="line (Fig. 6), circle (Fig. 7), both; or any shipped scenario (pilotfish data scenarios), or a file.",
+            help="line (Fig. 6), circle (Fig. 7), both; or any shipped scenario (pilotfish data scenarios), or a file "
+            "(a scenario, or a formation).",
         ),
     ],
     profile: ProfilesOption = Profiles.both,
@@ -69,9 +70,10 @@ def experiment(
     """
     from pilotfish.cli.pictures import gallery, save_comparison, save_pictures, save_recording
     from pilotfish.experiments import EXPERIMENTS, experiment_of, metrics_tables, run_all_robots
+    from pilotfish.formation.expand import scenario_of
 
     transport = "in-process" if in_process else "lcm"
-    with friendly_errors():
+    with friendly_errors(), scenario_of(which) as which:
         chosen = list(EXPERIMENTS.values()) if which == "both" else [experiment_of(which)]
         if robot is Robot.nonideal:
             chosen = [experiment.on_nonideal_robot() for experiment in chosen]
