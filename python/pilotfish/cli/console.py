@@ -19,6 +19,7 @@ from rich.progress import (
     DownloadColumn,
     MofNCompleteColumn,
     Progress,
+    TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -79,6 +80,15 @@ def byte_progress(label: str) -> Iterator[OnProgress]:
     with Progress(*columns, console=_errors) as bar:
         task = bar.add_task(label, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
+def share_progress(label: str) -> Iterator[Callable[[str, float], None]]:
+    """The same for work in stages, with the time that is left: ``step(stage, share of all that is done)``."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=_errors) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda stage, share: bar.update(task, description=stage, completed=share)
 
 
 def print_whole(table: Table, width: int) -> None:

@@ -26,11 +26,13 @@ class Boxes:
 
     @property
     def middles(self) -> tuple[FloatArray, FloatArray]:
-        """Points inside. Halving both ends first cannot overflow; the ends are kept where rounding would leave the box."""
+        """Points inside. Halving both ends first cannot overflow; the ends are kept where rounding would leave the
+        box."""
         return _middle(self.e), _middle(self.ec)
 
     def halves(self, across_e: NDArray[np.bool_]) -> Boxes:
-        """Both halves of each: cut across e where ``across_e``, else across ec. They share the cut, so nothing is lost."""
+        """Both halves of each: cut across e where ``across_e``, else across ec. They share the cut, so nothing is
+        lost."""
         middle_e, middle_ec = self.middles
         left = Boxes(
             self.piece,

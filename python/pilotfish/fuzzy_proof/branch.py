@@ -1,4 +1,5 @@
-"""Branch and bound: the greatest value of something over all inputs, between a proved upper bound and a value that is reached."""
+"""Branch and bound: the greatest value of something over all inputs, between a proved upper bound and a value that is
+reached."""
 
 from __future__ import annotations
 
@@ -41,8 +42,9 @@ def maximise(
 ) -> Optimum:
     """Boxes whose bound is within ``tolerance`` of the best value reached so far are settled; the others are halved.
 
-    ``reached``: a value known to be reached, at ``at``. A middle counts only if it certainly lies in its piece. Every box that
-    is dropped has no point of its piece or a bound within the tolerance, so the bound returned holds for all inputs.
+    ``reached``: a value known to be reached, at ``at``. A middle counts only if it certainly lies in its piece. Every
+    box that is dropped has no point of its piece or a bound within the tolerance, so the bound returned holds for all
+    inputs.
     """
     boxes = encloser.boxes
     total = _extent(boxes).sum()

@@ -1,7 +1,7 @@
 """Enclosures of the fuzzy law and of its slopes over boxes of inputs, outward rounded, on whole arrays of boxes.
 
-On a piece (pieces.py) u = f(e, ec) = sum_k M_k(h_k) / sum_k A_k(h_k), heights h_k straight lines in e or in ec. With w = dA/dh,
-m = dM/dh (layers.py)
+On a piece (pieces.py) u = f(e, ec) = sum_k M_k(h_k) / sum_k A_k(h_k), heights h_k straight lines in e or in ec. With w
+= dA/dh, m = dM/dh (layers.py)
 
     df/de = sum over the heights that come from e of  h_k' (m_k - f w_k) / area,      df/dec likewise,
 
@@ -9,8 +9,9 @@ and since f has continuous slopes on the box, the mean value theorem gives from 
 
     f(x) in f(x0) + df/de(box) (e - e0) + df/dec(box) (ec - ec0).
 
-The slopes need f over the box and f needs the slopes: the first f is the quotient of moments, held inside the universe of U, in
-which every centroid lies; each round meets the enclosure it had with the new one, and every one of them is sound.
+The slopes need f over the box and f needs the slopes: the first f is the quotient of moments, held inside the
+universe of U, in which every centroid lies; each round meets the enclosure it had with the new one, and every one of
+them is sound.
 """
 
 from __future__ import annotations
@@ -122,7 +123,9 @@ class Encloser:
         from_e, profile = self._from_e[piece], self._profile[piece]
 
         def heights(e: Interval, ec: Interval) -> Interval:
-            x = Interval(np.where(from_e, e.lo[:, None], ec.lo[:, None]), np.where(from_e, e.hi[:, None], ec.hi[:, None]))
+            x = Interval(
+                np.where(from_e, e.lo[:, None], ec.lo[:, None]), np.where(from_e, e.hi[:, None], ec.hi[:, None])
+            )
             return self._line.at(piece, x)
 
         at_middle = heights(Interval.point(middle_e), Interval.point(middle_ec))
@@ -220,4 +223,3 @@ def _column(table: list[list[Fraction]]) -> Interval:
 
 def _outward(pairs: list[tuple[Fraction, Fraction]]) -> tuple[FloatArray, FloatArray]:
     return np.array([enclose(low)[0] for low, _ in pairs]), np.array([enclose(high)[1] for _, high in pairs])
-

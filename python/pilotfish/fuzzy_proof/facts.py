@@ -42,9 +42,10 @@ def prove_steepness(
 ) -> Optimum:
     """The Lipschitz constant of u in e or in ec, away from jumps: sup |du/de| or sup |du/dec| over all pieces.
 
-    u is continuous and on each piece has continuous slopes up to its edge. Along a line in e the pieces are crossed one after
-    the other, so |u(e1, ec) - u(e2, ec)| <= sup |du/de| |e1 - e2|, and no smaller constant will do. ``vertices``: points, the
-    corners of the pieces, where the steepest slope mostly is. ``relative``: share by which the bound may exceed what is reached.
+    u is continuous and on each piece has continuous slopes up to its edge. Along a line in e the pieces are crossed
+    one after the other, so |u(e1, ec) - u(e2, ec)| <= sup |du/de| |e1 - e2|, and no smaller constant will do.
+    ``vertices``: points, the corners of the pieces, where the steepest slope mostly is. ``relative``: share by which
+    the bound may exceed what is reached.
     """
     at_vertices = encloser.bounds(vertices)
     steep = _least_magnitude(at_vertices, along_e)
@@ -64,7 +65,9 @@ def _least_magnitude(bounds: Bounds, along_e: bool) -> FloatArray:
     return np.maximum(np.maximum(slope.lo, -slope.hi), 0.0)
 
 
-def prove_steepest_rise(encloser: Encloser, vertices: Boxes, tolerance: float, on_share: OnShare | None = None) -> Optimum:
+def prove_steepest_rise(
+    encloser: Encloser, vertices: Boxes, tolerance: float, on_share: OnShare | None = None
+) -> Optimum:
     """sup du/de: u falls (or rests) along e everywhere exactly if this is <= 0."""
     at_vertices = encloser.bounds(vertices).slope_e.lo
     best = int(np.argmax(at_vertices))
@@ -79,8 +82,8 @@ def prove_steepest_rise(encloser: Encloser, vertices: Boxes, tolerance: float, o
 def prove_sign(encloser: Encloser, tolerance: float, *, too_close: bool, on_share: OnShare | None = None) -> Optimum:
     """The smallest x so that u <= NOTHING for all e >= x and all ec (``too_close``): sup of the e where u > NOTHING.
 
-    Not ``too_close``: the smallest x so that u >= -NOTHING for all e <= -x. Branch and bound finds it at once, where bisection
-    over x would begin anew for every x. -inf: u has that sign everywhere.
+    Not ``too_close``: the smallest x so that u >= -NOTHING for all e <= -x. Branch and bound finds it at once, where
+    bisection over x would begin anew for every x. -inf: u has that sign everywhere.
     """
 
     def objective(boxes: Boxes, bounds: Bounds) -> tuple[FloatArray, FloatArray]:

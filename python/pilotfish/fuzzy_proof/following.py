@@ -1,21 +1,22 @@
-"""An invariant of following on a straight line: the distance never falls below the stop distance. The model, and why it holds.
+"""An invariant of following on a straight line: the distance never falls below the stop distance. Model and derivation.
 
-**Model** (that of pilotfish.sim's Unicycle behind src/control/follower.cpp with profile ``paper``, on a line). At the exposures
-t_k = k T the follower measures the distance d with an error of at most N and commands
+**Model** (that of pilotfish.sim's Unicycle behind src/control/follower.cpp with profile ``paper``, on a line). At the
+exposures t_k = k T the follower measures the distance d with an error of at most N and commands
 
     e_k  = d_p - d(t_k) - n_k,  |n_k| <= N,     ec_k = e_k - e_(k-1)      (0 at the first)
     w_k  = V_s u(e_k / E_s, ec_k / EC_s)                                  what the law wants
     c_k  = w_k, at most a T from c_(k-1), held in [-V_r, V]               src/control/limits.cpp
 
-which acts one latency L after the exposure, until the next acts. The driver's set value r ramps to it with the acceleration a; the
-wheels follow with a lag tau; the leader drives at v_l:
+which acts one latency L after the exposure, until the next acts. The driver's set value r ramps to it with the
+acceleration a; the wheels follow with a lag tau; the leader drives at v_l:
 
     r' = +-a until r = c_k,      tau v' = r - v,      d' = v_l - v,      0 <= v_l <= V_l,   v_l' >= -b.
 
 The leader may speed up as it likes and brake with b at any time: it "brakes dead". It never reverses.
 
-**Without lag and latency.** Let x+ be max(x, 0) and C_k = (c_k)+. Reversing only helps, so follow a robot that rests where ours
-reverses: the same with r+ in place of r is never farther from the leader, because v+ <= the lag's answer to r+. For
+**Without lag and latency.** Let x+ be max(x, 0) and C_k = (c_k)+. Reversing only helps, so follow a robot that rests
+where ours reverses: the same with r+ in place of r is never farther from the leader, because v+ <= the lag's answer
+to r+. For
 
     p_k = d(t_k) - tau v+(t_k) - int over [t_k, t_k + L] of r+ dt
 
@@ -24,103 +25,54 @@ tau v' = r - v makes the lag disappear, and what is committed already makes the 
     p_(k+1) >= p_k + (way of the leader) - int over [t_k + L, t_(k+1) + L] of r+ dt,
     that integral <= C_k T - D |D| / 2a   with  D = C_k - C_(k-1),  |D| <= a T
 
-(r has reached c_(k-1) when c_k begins to act, and ramps from there). If the robot brakes as hard as it may from now on and the
-leader, too, then r+ still makes C_(k-1)^2 / 2a, the leader kappa = v_l^2 / 2b, and both come to rest at the distance
-p_k + kappa - C_(k-1)^2 / 2a. With y_k = p_k + kappa(v_l(t_k)) the *safe set* is
+(r has reached c_(k-1) when c_k begins to act, and ramps from there). If the robot brakes as hard as it may from now on
+and the leader, too, then r+ still makes C_(k-1)^2 / 2a, the leader kappa = v_l^2 / 2b, and both come to rest at the
+distance p_k + kappa - C_(k-1)^2 / 2a. With y_k = p_k + kappa(v_l(t_k)) the *safe set* is
 
     S:   y >= D_stop + C^2 / 2a.
 
-kappa may be credited only if b >= a: then the closing speed of two that brake cannot fall before the leader stands (v' >= -a, and
-v_l' = -b), so from the first moment at which d = D_stop is crossed, with the robot the faster of the two, d would only go on
-falling to the final distance, and that is >= D_stop. So in S no distance between two exposures is below it either. If b < a, the
-leader is taken to stop dead, kappa = 0.
+kappa may be credited only if b >= a: then the closing speed of two that brake cannot fall before the leader stands
+(v' >= -a, and v_l' = -b), so from the first moment at which d = D_stop is crossed, with the robot the faster of the
+two, d would only go on falling to the final distance, and that is >= D_stop. So in S no distance between two
+exposures is below it either. If b < a, the leader is taken to stop dead, kappa = 0.
 
-**What is proved.** That S is never left: for each (y, C, v_l) in S, each measurement and each way of the leader, the next is in S,
+**What is proved.** That S is never left: for each (y, C, v_l) in S, each measurement and each way of the leader, the
+next is in S,
 
-    y_(k+1) >= y_k - (C_k T - D |D| / 2a) >= D_stop + C_k^2 / 2a                                                        (*)
+    y_(k+1) >= y_k - (C_k T - D |D| / 2a) >= D_stop + C_k^2 / 2a        (*)
 
-(y falls least favourably if the leader brakes with b: its way and what is left of kappa then add up to kappa.) Braking at full,
-C_k = (C - a T)+, keeps S exactly, both sides of (*) fall alike; so it is enough that the law wants no more than that, or that
-there is room for what it wants. The left side of (*) less the right falls as C_k rises (|D| <= a T), so an upper bound of w_k is
-enough, and whatever lowers a command (the collision guard) keeps the proof. By induction S holds for all time; a robot at rest,
-at any d >= D_stop, is in S.
+(y falls least favourably if the leader brakes with b: its way and what is left of kappa then add up to kappa.) Braking
+at full, C_k = (C - a T)+, keeps S exactly, both sides of (*) fall alike; so it is enough that the law wants no more
+than that, or that there is room for what it wants. The left side of (*) less the right falls as C_k rises (|D| <= a T),
+so an upper bound of w_k is enough, and whatever lowers a command (the collision guard) keeps the proof. By
+induction S holds for all time; a robot at rest, at any d >= D_stop, is in S.
 
-**What the law sees in S.** r'  is within +-a and r = c when the next command begins to act, so s before that r is within c +- a s,
-and the wheels within c +- a (s + tau). Hence
+**What the law sees in S.** r'  is within +-a and r = c when the next command begins to act, so s before that r is
+within c +- a s, and the wheels within c +- a (s + tau). Hence
 
     v+(t_k) in [(c - a (L + tau))+, (c + a (L + tau))+],     the integral in p_k in [(c L - a L^2/2)+, c L + a L^2/2],
 
-both of v+ and r at most V; d(t_k) = p_k + tau v+ + that integral, and at least D_stop. The mean speed since t_(k-1) is within
-c +- a (L + tau + T/2) and [-V_r, V], the leader's within [0, min(V_l, v_l + b T/2)]; their difference times T, +-2N, is ec_k. Where
-C = 0, c is anything in [-V_r, 0].
+both of v+ and r at most V; d(t_k) = p_k + tau v+ + that integral, and at least D_stop. The mean speed since t_(k-1) is
+within c +- a (L + tau + T/2) and [-V_r, V], the leader's within [0, min(V_l, v_l + b T/2)]; their difference times T,
++-2N, is ec_k. Where C = 0, c is anything in [-V_r, 0].
 
-Branch and bound over (y, C, v_l), all of it in interval arithmetic, shows (*). For y >= D_stop + V T + V^2/2a + a T^2/2 it holds
-whatever the law wants, so the region is bounded.
+Branch and bound over (y, C, v_l), all of it in interval arithmetic, shows (*). For y >= D_stop + V T + V^2/2a + a T^2/2
+it holds whatever the law wants, so the region is bounded.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pilotfish.errors import ConfigError
 from pilotfish.fuzzy_proof.interval import Interval
+from pilotfish.fuzzy_proof.model import RANGES, Following
 from pilotfish.fuzzy_proof.table import GreatestOver
 
-MAX_BOXES = 300_000
-_FINEST = 2.0**-13  # of the region along y and C: what is not shown on so small a box counts as not shown
-
-
-@dataclass(frozen=True)
-class Following:
-    """The numbers of the model above."""
-
-    setpoint_m: float = 1.1  # d_p
-    stop_distance_m: float = 0.4  # D_stop
-    error_scale_m: float = 0.8  # E_s
-    error_change_scale_m: float = 0.05  # EC_s
-    velocity_scale_mps: float = 0.6  # V_s
-    speed_limit_mps: float = 0.6  # V
-    reverse_limit_mps: float = 0.3  # V_r
-    acceleration_mps2: float = 1.0  # a, of the limits and of the drive's ramp
-    latency_s: float = 1.0 / 30.0  # L
-    lag_s: float = 0.1  # tau
-    period_s: float = 1.0 / 30.0  # T
-    noise_m: float = 0.005  # N
-    leader_speed_mps: float = 0.6  # V_l
-    leader_deceleration_mps2: float = 1000.0  # b
-
-    def __post_init__(self) -> None:
-        for each in fields(self):
-            low, high = RANGES[each.name]
-            value = getattr(self, each.name)
-            if not low <= value <= high:
-                raise ConfigError(f"{each.name}: {value:g} is outside [{low:g}, {high:g}]")
-        if self.setpoint_m < self.stop_distance_m:
-            raise ConfigError(
-                f"setpoint_m: {self.setpoint_m:g} is below stop_distance_m ({self.stop_distance_m:g}); a coordinator refuses it"
-            )
-
-
-RANGES: dict[str, tuple[float, float]] = {
-    "setpoint_m": (0.05, 20.0),
-    "stop_distance_m": (0.0, 20.0),
-    "error_scale_m": (0.01, 20.0),
-    "error_change_scale_m": (1e-4, 5.0),
-    "velocity_scale_mps": (0.01, 5.0),
-    "speed_limit_mps": (0.01, 5.0),
-    "reverse_limit_mps": (0.0, 5.0),
-    "acceleration_mps2": (0.01, 20.0),
-    "latency_s": (0.0, 0.25),
-    "lag_s": (0.0, 1.0),
-    "period_s": (1e-3, 1.0),
-    "noise_m": (0.0, 1.0),
-    "leader_speed_mps": (0.0, 5.0),
-    "leader_deceleration_mps2": (1e-3, 1000.0),
-}
-"""Both inclusive; those of the coordinator's configuration and of scenarios where these have the parameter."""
+MAX_BOXES = 100_000  # some 2 s; a proof takes a few hundred
+_FINEST = 2.0**-12  # of the region along y and C: what is not shown on so small a box counts as not shown
 
 
 @dataclass(frozen=True)
@@ -277,12 +229,13 @@ def _halves(model: Following, region: _Region) -> _Region:
     return _Region(joined(left.y, right.y), joined(left.speed, right.speed), joined(left.leader, right.leader))
 
 
-def largest_speed(model: Following, greatest: GreatestOver, steps: int = 9) -> float | None:
-    """The greatest speed limit up to the model's at which the invariant is proved, found by bisection; None: none is."""
+def largest_speed(model: Following, greatest: GreatestOver, steps: int = 7) -> float | None:
+    """The greatest speed limit up to the model's at which the invariant is proved, found by bisection; None: none
+    is."""
     return _bisect(lambda speed: replace(model, speed_limit_mps=speed), 0.01, model.speed_limit_mps, greatest, steps)
 
 
-def least_setpoint(model: Following, greatest: GreatestOver, highest_m: float, steps: int = 11) -> float | None:
+def least_setpoint(model: Following, greatest: GreatestOver, highest_m: float, steps: int = 8) -> float | None:
     """The least setpoint up to ``highest_m`` at which the invariant is proved, found by bisection; None: none is."""
     found = _bisect(
         lambda lowered: replace(model, setpoint_m=highest_m - lowered),
@@ -297,8 +250,8 @@ def least_setpoint(model: Following, greatest: GreatestOver, highest_m: float, s
 def _bisect(
     vary: Callable[[float], Following], good: float, bad: float, greatest: GreatestOver, steps: int
 ) -> float | None:
-    """Between a value at which it should be proved and one at which it should not be. Each value stands for itself: what is
-    returned is proved, whether or not all between are."""
+    """Between a value at which it should be proved and one at which it should not be. Each value stands for itself:
+    what is returned is proved, whether or not all between are."""
     if prove_invariant(vary(bad), greatest).holds:
         return bad
     if not prove_invariant(vary(good), greatest).holds:
@@ -310,4 +263,3 @@ def _bisect(
         else:
             bad = middle
     return good
-

@@ -1,10 +1,10 @@
 """Interval arithmetic with outward rounding, on whole NumPy arrays.
 
-Why one ``nextafter`` outward is sound: IEEE 754 rounds +, -, *, / to the nearest double, and NumPy uses these operations as
-the processor has them. So the exact result lies at most half a unit in the last place from the rounded one, and the next
-double below (above) bounds it from below (above). Where the result overflows, the bound is infinite, which is sound too; where
-it underflows, the next double is the smallest subnormal away, which is more than the error. Nothing here uses exp, log or a
-root, whose rounding no standard bounds.
+Why one ``nextafter`` outward is sound: IEEE 754 rounds +, -, *, / to the nearest double, and NumPy uses these
+operations as the processor has them. So the exact result lies at most half a unit in the last place from the rounded
+one, and the next double below (above) bounds it from below (above). Where the result overflows, the bound is
+infinite, which is sound too; where it underflows, the next double is the smallest subnormal away, which is more than
+the error. Nothing here uses exp, log or a root, whose rounding no standard bounds.
 
 Negation, minimum, maximum and comparison are exact and are not widened.
 """

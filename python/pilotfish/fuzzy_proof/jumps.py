@@ -16,7 +16,8 @@ _CONTINUOUS = 1e-6  # a smaller change between neighbouring doubles is not calle
 
 @dataclass(frozen=True)
 class Jump:
-    """A pair of inputs that are neighbouring doubles, and the change of u between them: no Lipschitz constant bounds it."""
+    """A pair of inputs that are neighbouring doubles, and the change of u between them: no Lipschitz constant bounds
+    it."""
 
     variable: str
     one: tuple[float, float]  # (e, ec)
@@ -28,8 +29,8 @@ class Jump:
 class Continuity:
     """u is a continuous function of the degrees of its inputs, so it is continuous where they are.
 
-    ``proved``: no set has a vertical side inside its universe. Otherwise ``jumps`` has a pair for each side across which u was
-    found to jump; a side without one may do no harm, but that is not proved.
+    ``proved``: no set has a vertical side inside its universe. Otherwise ``jumps`` has a pair for each side across
+    which u was found to jump; a side without one may do no harm, but that is not proved.
     """
 
     proved: bool
@@ -39,11 +40,10 @@ class Continuity:
 def prove_continuity(controller: fuzzy.Controller) -> Continuity:
     """Of u over all inputs. The jumps are evaluated with the compiled law."""
     found, sides = [], 0
-    for variable, other in (
-        (controller.error, controller.error_change),
-        (controller.error_change, controller.error),
+    for variable, other, along_error in (
+        (controller.error, controller.error_change, True),
+        (controller.error_change, controller.error, False),
     ):
-        along_error = variable is controller.error or variable.name == controller.error.name
         for at in _vertical_sides(variable):
             sides += 1
             jump = _across(controller, variable, other, at, along_error=along_error)

@@ -1,18 +1,19 @@
 """The centroid layer by layer, as exact polynomials of the heights at which the terms of U are clipped.
 
-By Cavalieri, with cut_k(y) the level cut of term k inside the universe and h_k its height, the union of the clipped terms has at
-the level y the cuts of all terms with h_k >= y. Sort the terms by height, the highest first. A point that lies in the cuts of
-several terms is counted once if each term counts what the terms before it (its set S of higher ones) have not:
+By Cavalieri, with cut_k(y) the level cut of term k inside the universe and h_k its height, the union of the clipped
+terms has at the level y the cuts of all terms with h_k >= y. Sort the terms by height, the highest first. A point
+that lies in the cuts of several terms is counted once if each term counts what the terms before it (its set S of
+higher ones) have not:
 
     area  = sum_k A_k(h_k),   A_k(h) = int_0^h |cut_k(y) minus the cuts of S| dy
     first = sum_k M_k(h_k),   M_k(h) = int_0^h (int of u over the same) dy
 
     centroid c = first / area,   dc/dh_k = (m_k(h_k) - c w_k(h_k)) / area   with w = dA/dh, m = dM/dh.
 
-The ends of cuts are straight lines in y, held at the ends of the universe. Between the levels where two of these lines cross, w
-is a straight line in y and m a parabola; so A has degree 2 and M degree 3. No order of the terms on the axis is needed, and no
-breakpoint depends on a height: everything is known before the first box. This derives the centroid anew and shares nothing with
-src/fuzzy/layers.cpp, which sums over pairs of neighbours.
+The ends of cuts are straight lines in y, held at the ends of the universe. Between the levels where two of these
+lines cross, w is a straight line in y and m a parabola; so A has degree 2 and M degree 3. No order of the terms on
+the axis is needed, and no breakpoint depends on a height: everything is known before the first box. This derives the
+centroid anew and shares nothing with src/fuzzy/layers.cpp, which sums over pairs of neighbours.
 """
 
 from __future__ import annotations
@@ -138,9 +139,7 @@ def _sides(corners: tuple[float, float, float, float], low: Fraction, high: Frac
 
 def _meetings(lines: set[Line]) -> set[Fraction]:
     listed = sorted(lines)
-    levels = (
-        (q[0] - p[0]) / (p[1] - q[1]) for i, p in enumerate(listed) for q in listed[i + 1 :] if p[1] != q[1]
-    )
+    levels = ((q[0] - p[0]) / (p[1] - q[1]) for i, p in enumerate(listed) for q in listed[i + 1 :] if p[1] != q[1])
     return {level for level in levels if 0 < level < 1}
 
 

@@ -1,14 +1,16 @@
 """The plane of inputs, cut into pieces on each of which u(e, ec) is one rational function. Exact, in rationals.
 
-A rule fires at min(mu_A(e), mu_B(ec)) and a term of U is clipped at the max over its rules: a height is always one of the
-degrees, and which one is decided by their order alone. On a strip of e times a strip of ec every degree is a straight line, so
-the order changes across the lines mu_A(e) = mu_B(ec). They cut the rectangle into convex polygons, the *pieces*. On a piece
-every height is one straight line in e or in ec, the order of the heights is fixed, and with layers.py
+A rule fires at min(mu_A(e), mu_B(ec)) and a term of U is clipped at the max over its rules: a height is always one of
+the degrees, and which one is decided by their order alone. On a strip of e times a strip of ec every degree is a
+straight line, so the order changes across the lines mu_A(e) = mu_B(ec). They cut the rectangle into convex polygons,
+the *pieces*. On a piece every height is one straight line in e or in ec, the order of the heights is fixed, and with
+layers.py
 
     u(e, ec) = sum_k M_k(h_k) / sum_k A_k(h_k).
 
-That formula goes on beyond the piece, over the whole rectangle, as a function f with continuous slopes. So an enclosure of f
-over a box is one of u over the part of the box that lies in the piece, and the polygon's vertices need not be kept.
+That formula goes on beyond the piece, over the whole rectangle, as a function f with continuous slopes. So an
+enclosure of f over a box is one of u over the part of the box that lies in the piece, and the polygon's vertices need
+not be kept.
 """
 
 from __future__ import annotations
@@ -79,7 +81,12 @@ def _pieces_of(row: Strip, column: Strip, rules: list[list[int]], layers: Layers
                 cut.append((_clip(vertices, [sign * gap for gap in gaps]), [*sides, (a, b, sign)]))
         polygons = cut
     return [
-        Piece(tuple(vertices), _heights(row, column, vertices, rules, layers), tuple(sides), row.is_point or column.is_point)
+        Piece(
+            tuple(vertices),
+            _heights(row, column, vertices, rules, layers),
+            tuple(sides),
+            row.is_point or column.is_point,
+        )
         for vertices, sides in polygons
     ]
 

@@ -1,4 +1,5 @@
-"""A counterexample as a scenario that ``pilotfish experiment`` and ``pilotfish-sim`` play, with all that it needs beside it."""
+"""A counterexample as a scenario that ``pilotfish experiment`` and ``pilotfish-sim`` play, with all that it needs
+beside it."""
 
 from __future__ import annotations
 
@@ -8,26 +9,23 @@ import yaml
 
 from pilotfish import data, fuzzy
 from pilotfish.errors import ConfigError
-from pilotfish.fuzzy_proof.following import Following
-from pilotfish.fuzzy_proof.worst_case import DURATION_S, Counterexample
+from pilotfish.fuzzy_proof.model import Following
+from pilotfish.fuzzy_proof.worst_case import CONTACT, DURATION_S, Counterexample
 from pilotfish.whole_files import write_whole
 
 _FOCAL_PX = 600.0  # of the simulated camera
 _TAG_CELLS = 10  # of a tag36h11 with its quiet zone; the black square has 8
 _MIN_CELL_PX = 1.3
-_NEAREST = 0.6  # of the stop distance: so near the leader must still be seen
 _PICTURE_PX = 480.0
 
 
-def replay_files(
-    file: Path, controller: fuzzy.Controller, model: Following, run: Counterexample
-) -> dict[Path, str]:
+def replay_files(file: Path, controller: fuzzy.Controller, model: Following, run: Counterexample) -> dict[Path, str]:
     """Texts by file name: the scenario, the coordinator's configuration, the leader, the camera, the law.
 
-    The camera and the one tag sit above the turning centres at one height, so that the leader is seen as near as the run comes. The
-    guard, which would keep the robot from the leader whatever the law says, is put below that: it is the law that is on trial.
-    A measurement that is wrong by a constant is a setpoint that is wrong by as much. ConfigError if no tag can be seen both at
-    the beginning and at the end of the run.
+    The camera and the one tag sit above the turning centres at one height, so that the leader is seen as near as the
+    run comes. The guard, which would keep the robot from the leader whatever the law says, is put below that: it is
+    the law that is on trial. A measurement that is wrong by a constant is a setpoint that is wrong by as much.
+    ConfigError if no tag can be seen both at the beginning and at the end of the run.
     """
     names = {kind: file.with_name(f"{file.stem}_{kind}.yaml") for kind in ("coordinator", "leader", "camera", "law")}
     tag_m = _tag_size(model, run)
@@ -78,7 +76,7 @@ def replay_files(
                 "control_period_s": model.period_s,
             },
             "limits": {**limits, "max_reverse_mps": model.reverse_limit_mps},
-            "guard": {"minimum_distance_m": _NEAREST * model.stop_distance_m},
+            "guard": {"minimum_distance_m": CONTACT * model.stop_distance_m},
             "drive": {"latency_s": model.latency_s, "actuator_lag_s": model.lag_s},
         },
         "safety": {
@@ -91,7 +89,9 @@ def replay_files(
     law = names["law"].name
     return {
         file: _commented(f"Where the law of {law} comes nearer than {model.stop_distance_m:g} m.", scenario),
-        names["coordinator"]: _commented("The law alone: its guard does not act before the leader is too near.", coordinator),
+        names["coordinator"]: _commented(
+            "The law alone: its guard does not act before the leader is too near.", coordinator
+        ),
         names["leader"]: _commented("One small tag, seen from far and near.", body),
         names["camera"]: data.path("calibrations/sim_640x480.yaml").read_text(),
         names["law"]: fuzzy.to_yaml(controller),
@@ -108,11 +108,11 @@ def _tag_size(model: Following, run: Counterexample) -> float:
     """Its cells must be seen at the beginning, and all of it at the end."""
     farthest_m = max(run.initial_distance_m, model.setpoint_m) + 0.2
     smallest = _MIN_CELL_PX * (_TAG_CELLS - 2) * farthest_m / _FOCAL_PX
-    largest = 0.8 * _PICTURE_PX * _NEAREST * model.stop_distance_m / _FOCAL_PX * (_TAG_CELLS - 2) / _TAG_CELLS
+    largest = 0.8 * _PICTURE_PX * CONTACT * model.stop_distance_m / _FOCAL_PX * (_TAG_CELLS - 2) / _TAG_CELLS
     if smallest > largest:
         raise ConfigError(
             f"the counterexample cannot be replayed: no tag can be seen both at {farthest_m:.2g} m and at "
-            f"{_NEAREST * model.stop_distance_m:.2g} m; a greater --stop-distance-m or a smaller --setpoint-m can"
+            f"{CONTACT * model.stop_distance_m:.2g} m; a greater --stop-distance-m or a smaller --setpoint-m can"
         )
     return round(0.5 * (smallest + largest), 4)
 

@@ -1,13 +1,14 @@
 """The universe of an input, cut where the degrees of its sets change their formula or their order. Exact, in rationals.
 
-A set of trapezoids and triangles has straight sides. Its corners, and the points where two sides cross, cut the universe into
-strips. On each strip every degree is one straight line
+A set of trapezoids and triangles has straight sides. Its corners, and the points where two sides cross, cut the
+universe into strips. On each strip every degree is one straight line
 
     mu(x) = offset + (x - foot) / width
 
-(a rising side: foot a, width b - a; a falling one: foot d, width c - d; the core: offset 1, width infinite), and the order of
-the degrees is the same all over it. Where a set has a vertical side its degree belongs to the set there and is gone beyond:
-such a point is a strip of its own, of width zero. The doubles of a file are rationals, so nothing here is rounded.
+(a rising side: foot a, width b - a; a falling one: foot d, width c - d; the core: offset 1, width infinite), and the
+order of the degrees is the same all over it. Where a set has a vertical side its degree belongs to the set there and
+is gone beyond: such a point is a strip of its own, of width zero. The doubles of a file are rationals, so nothing here
+is rounded.
 """
 
 from __future__ import annotations
@@ -63,8 +64,8 @@ def corners_of(variable: fuzzy.LinguisticVariable) -> list[Corners]:
         shape = term.set
         if isinstance(shape, fuzzy.Gaussian):
             raise ConfigError(
-                f"{variable.name}.terms.{term.label}: a Gaussian cannot be proved about: its sides are no rational functions, "
-                "and no standard bounds the rounding of exp; write a triangle or a trapezoid of about the same width"
+                f"{variable.name}.terms.{term.label}: a Gaussian cannot be proved about: its sides are no rational "
+                "functions, and no standard bounds the rounding of exp; write a triangle or a trapezoid of about its width"
             )
         if isinstance(shape, fuzzy.Triangle):
             found.append((shape.a, shape.b, shape.b, shape.c))

@@ -1,7 +1,8 @@
 """Proved bounds of u over the cells of a grid, and the greatest over any box by table look-up.
 
-Proofs about following ask for sup u over many boxes of inputs. The grid's cells are bounded once; then a range maximum (a sparse
-table of windows of 2^a x 2^b cells) answers for any box by the cells that it touches, which is an upper bound for the box.
+Proofs about following ask for sup u over many boxes of inputs. The grid's cells are bounded once; then a range
+maximum (a sparse table of windows of 2^a x 2^b cells) answers for any box by the cells that it touches, which is an
+upper bound for the box.
 """
 
 from __future__ import annotations
@@ -21,13 +22,11 @@ _ROWS_AT_ONCE = 40
 
 @dataclass(frozen=True)
 class Grid:
-    """Closed cells; ``upper``, ``lower``: u in them; ``steepest``: sup du/de in them. Each (cells of e, cells of ec)."""
+    """Closed cells and ``upper``, a proved bound of u in each, shape (cells of e, cells of ec)."""
 
     e: FloatArray  # edges
     ec: FloatArray
     upper: FloatArray
-    lower: FloatArray
-    steepest: FloatArray
 
 
 def bound_cells(encloser: Encloser, cells: tuple[int, int] = CELLS, on_share: OnShare | None = None) -> Grid:
@@ -37,8 +36,6 @@ def bound_cells(encloser: Encloser, cells: tuple[int, int] = CELLS, on_share: On
     first_e, last_e = _touched(edges[0], every.e)
     first_ec, last_ec = _touched(edges[1], every.ec)
     upper = np.full(cells, -np.inf)
-    lower = np.full(cells, np.inf)
-    steepest = np.full(cells, -np.inf)
     for begin in range(0, cells[0], _ROWS_AT_ONCE):
         end = min(begin + _ROWS_AT_ONCE, cells[0])
         low, high = np.maximum(first_e, begin), np.minimum(last_e, end - 1)
@@ -50,13 +47,10 @@ def bound_cells(encloser: Encloser, cells: tuple[int, int] = CELLS, on_share: On
         )
         touching = encloser.touches(boxes)
         boxes, i, j = boxes[touching], i[touching], j[touching]
-        bounds = encloser.bounds(boxes)
-        np.maximum.at(upper, (i, j), bounds.u.hi)
-        np.minimum.at(lower, (i, j), bounds.u.lo)
-        np.maximum.at(steepest, (i, j), bounds.slope_e.hi)
+        np.maximum.at(upper, (i, j), encloser.bounds(boxes).u.hi)
         if on_share:
             on_share(end / cells[0])
-    return Grid(edges[0], edges[1], upper, lower, steepest)
+    return Grid(edges[0], edges[1], upper)
 
 
 def _touched(edges: FloatArray, x: Interval) -> tuple[np.ndarray, np.ndarray]:
@@ -111,19 +105,3 @@ def _doubling(table: FloatArray, axis: int) -> list[FloatArray]:
 
 def _held(x: Interval, edges: FloatArray) -> Interval:
     return Interval(np.clip(x.lo, edges[0], edges[-1]), np.clip(x.hi, edges[0], edges[-1]))
-
-
-def greatest_rise(grid: Grid) -> float:
-    """Upper bound of u(e2, ec) - u(e1, ec) over all e1 < e2 and ec, of a continuous surface: 0 if u falls all the way.
-
-    A rise is the integral of du/de, so at most the greatest sum of (sup du/de) x (width) over consecutive cells of one row of ec
-    (Kadane's algorithm); where it begins and ends inside a cell, that cell counts only if it is positive.
-    """
-    width = np.diff(grid.e)
-    gains = np.nextafter(grid.steepest * np.nextafter(width, np.inf)[:, None], np.inf)
-    running = np.zeros(gains.shape[1])
-    greatest = np.zeros(gains.shape[1])
-    for gain in gains:
-        running = np.maximum(np.maximum(gain, 0.0), np.nextafter(running + gain, np.inf))
-        greatest = np.maximum(greatest, running)
-    return float(greatest.max())

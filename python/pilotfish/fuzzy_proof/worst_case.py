@@ -1,4 +1,5 @@
-"""Runs of the model of following.py in which the distance falls below the stop distance: found by trying, not proved."""
+"""Runs of the model of following.py in which the distance falls below the stop distance: found by trying, not
+proved."""
 
 from __future__ import annotations
 
@@ -8,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pilotfish import fuzzy
-from pilotfish.fuzzy_proof.following import Following
 from pilotfish.fuzzy_proof.interval import FloatArray
+from pilotfish.fuzzy_proof.model import Following
 
 DURATION_S = 12.0
 _SUBSTEP_S = 0.002
+CONTACT = 0.6  # of the stop distance: nearer than that a run is over
 _CLEAR_M = 1e-3  # so far below the stop distance that the steps of this simulation do not matter
 _BRAKES_AT_S = (0.5, 1.0, 2.0, 4.0)
 
@@ -30,7 +32,8 @@ class Counterexample:
 
 
 def find_counterexample(controller: fuzzy.Controller, model: Following) -> Counterexample | None:
-    """The run with the least distance of a few hundred, if it is below the stop distance."""
+    """Of a few hundred runs one with the least distance, if that is below the stop distance: the one that begins
+    nearest to the setpoint, if several come as near."""
     reach_m = max(1.5 * model.setpoint_m, model.stop_distance_m + 0.5)
     starts = np.linspace(model.stop_distance_m + 0.02, reach_m, 24)
     speeds = sorted({0.0, 0.5 * model.leader_speed_mps, model.leader_speed_mps})
@@ -39,7 +42,8 @@ def find_counterexample(controller: fuzzy.Controller, model: Following) -> Count
     biases = sorted({0.0, model.noise_m})
     table = np.array([(d, *leader, bias) for bias in biases for leader in leaders for d in starts])
     least, at = least_distances(controller, model, *table.T)
-    best = int(np.argmin(least))
+    as_near = least <= least.min() + _CLEAR_M
+    best = int(np.argmin(np.where(as_near, np.abs(table[:, 0] - model.setpoint_m), np.inf)))
     if least[best] > model.stop_distance_m - _CLEAR_M:
         return None
     return Counterexample(*(float(x) for x in table[best]), float(least[best]), float(at[best]))
@@ -54,12 +58,14 @@ def least_distances(
     bias_m: FloatArray,
     duration_s: float = DURATION_S,
 ) -> tuple[FloatArray, FloatArray]:
-    """(least distance, its time) of every run, each (N,). The leader's speeding up and braking are the model's deceleration."""
+    """(least distance, its time) of every run, each (N,); of what is nearer than CONTACT, when it came there. The
+    leader's speeding up and braking are the model's deceleration."""
     distance = np.array(initial_distance_m, dtype=float)
     speed, set_value, command = np.zeros_like(distance), np.zeros_like(distance), np.zeros_like(distance)
     leader = np.zeros_like(distance)
     error_before: FloatArray | None = None
     least, least_at = distance.copy(), np.zeros_like(distance)
+    contact_m = CONTACT * model.stop_distance_m
     substeps = max(1, math.ceil(model.period_s / _SUBSTEP_S))
     dt = model.period_s / substeps
     delay = round(model.latency_s / dt)
@@ -87,6 +93,6 @@ def least_distances(
             leader_ramp = model.leader_deceleration_mps2 * dt
             leader = np.clip(wanted, leader - leader_ramp, leader + leader_ramp)
             distance = distance + 0.5 * dt * (leader + leader_before - speed - speed_before)
-            lower = distance < least
+            lower = (distance < least) & (least > contact_m)
             least, least_at = np.where(lower, distance, least), np.where(lower, time_s + dt, least_at)
     return least, least_at
