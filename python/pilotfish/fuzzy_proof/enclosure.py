@@ -85,6 +85,7 @@ class Encloser:
         box = [[(min(v[i] for v in p.vertices), max(v[i] for v in p.vertices)) for i in (0, 1)] for p in pieces]
         ends = [Interval(*(_outward([b[i] for b in box]))) for i in (0, 1)]
         self.boxes = Boxes(np.arange(len(pieces)), ends[0], ends[1])
+        self._inner = [Interval(*_inward([b[i] for b in box])) for i in (0, 1)]
 
     def touches(self, boxes: Boxes) -> NDArray[np.bool_]:
         """False where a box certainly has no point of its piece."""
@@ -94,7 +95,10 @@ class Encloser:
     def holds(self, boxes: Boxes) -> NDArray[np.bool_]:
         """True where a box certainly lies in its piece."""
         gap = self._gaps(boxes)
-        return np.all(~self._is_side[boxes.piece] | (gap.lo >= 0.0), axis=1)
+        between = np.all(~self._is_side[boxes.piece] | (gap.lo >= 0.0), axis=1)
+        for x, ends in zip((boxes.e, boxes.ec), self._inner, strict=True):
+            between &= (x.lo >= ends.lo[boxes.piece]) & (x.hi <= ends.hi[boxes.piece])
+        return between
 
     def _gaps(self, boxes: Boxes) -> Interval:
         gap = self._side_e.at(boxes.piece, _as_column(boxes.e)) - self._side_ec.at(boxes.piece, _as_column(boxes.ec))
@@ -223,3 +227,7 @@ def _column(table: list[list[Fraction]]) -> Interval:
 
 def _outward(pairs: list[tuple[Fraction, Fraction]]) -> tuple[FloatArray, FloatArray]:
     return np.array([enclose(low)[0] for low, _ in pairs]), np.array([enclose(high)[1] for _, high in pairs])
+
+
+def _inward(pairs: list[tuple[Fraction, Fraction]]) -> tuple[FloatArray, FloatArray]:
+    return np.array([enclose(low)[1] for low, _ in pairs]), np.array([enclose(high)[0] for _, high in pairs])

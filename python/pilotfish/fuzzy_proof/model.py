@@ -34,8 +34,8 @@ class Following:
                 raise ConfigError(f"{each.name}: {value:g} is outside [{low:g}, {high:g}]")
         if self.setpoint_m < self.stop_distance_m:
             raise ConfigError(
-                f"setpoint_m: {self.setpoint_m:g} is below stop_distance_m ({self.stop_distance_m:g}); allowed: from there "
-                f"to {RANGES['setpoint_m'][1]:g}"
+                f"setpoint_m: {self.setpoint_m:g} is below stop_distance_m ({self.stop_distance_m:g}); allowed: from "
+                f"there to {RANGES['setpoint_m'][1]:g}"
             )
 
 
