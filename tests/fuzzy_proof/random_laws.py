@@ -1,4 +1,4 @@
-"""Random fuzzy controllers for hypothesis: any triangles and trapezoids, vertical sides and open shoulders among them."""
+"""Random fuzzy controllers for hypothesis: triangles and trapezoids, vertical sides and open shoulders among them."""
 
 import math
 
@@ -14,14 +14,10 @@ TENTHS = st.integers(-12, 12).map(lambda n: n / 10)  # shared corners and vertic
 
 @st.composite
 def covering_variables(draw, name, count):
-    """An input: knots over [-1, 1]; term k rises to 1 at knot k. Neighbours share corners (a partition), or reach farther."""
-    knots = [
-        -1.0,
-        *sorted(draw(st.lists(st.integers(-9, 9), min_size=count - 2, max_size=count - 2, unique=True))),
-        1.0,
-    ]
-    knots = [knots[0], *(k / 10 for k in knots[1:-1]), knots[-1]]
-    wide = draw(st.sampled_from([0.0, 0.0, 0.05]))
+    """An input: knots over [-1, 1]; term k rises to 1 at knot k. Neighbours share corners, or reach farther."""
+    inner = draw(st.lists(st.integers(-9, 9), min_size=count - 2, max_size=count - 2, unique=True))
+    knots = [-1.0, *(k / 10 for k in sorted(inner)), 1.0]
+    wide = draw(st.sampled_from([0.0, 0.0, 0.0, 0.05]))
     terms = []
     for k in range(count):
         left = -math.inf if k == 0 else knots[k - 1] - wide

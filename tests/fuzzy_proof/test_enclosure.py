@@ -65,7 +65,7 @@ def test_the_exact_formula_of_a_piece_is_the_compiled_law(shipped):
         assert float(first / area) == pytest.approx(fuzzy.infer(shipped, *map(float, at)).output, abs=1e-14)
 
 
-@pytest.mark.parametrize("times", [0, 3, 6])
+@pytest.mark.parametrize("times", [0, 4])
 def test_the_law_lies_inside_its_bounds_over_boxes_of_any_size(shipped, times):
     encloser = Encloser(surface_of(shipped))
     wrong, of = outside(shipped, encloser, halved(encloser, times), np.random.default_rng(times))
@@ -103,7 +103,7 @@ def test_the_slopes_of_the_law_lie_inside_their_bounds(shipped):
         assert np.all((rise / step <= slope.hi + 1e-7) | ~both)
 
 
-@settings(derandomize=True, deadline=None, max_examples=12, phases=[Phase.generate])
+@settings(derandomize=True, deadline=None, max_examples=4, phases=[Phase.generate])
 @given(controller=controllers(), seed=st.integers(0, 2**32 - 1))
 def test_any_law_of_triangles_and_trapezoids_lies_inside_its_bounds(controller, seed):
     encloser = Encloser(surface_of(controller))
@@ -112,7 +112,7 @@ def test_any_law_of_triangles_and_trapezoids_lies_inside_its_bounds(controller, 
         assert outside(controller, encloser, halved(encloser, times), random)[0] == 0
 
 
-@settings(derandomize=True, deadline=None, max_examples=8, phases=[Phase.generate])
+@settings(derandomize=True, deadline=None, max_examples=3, phases=[Phase.generate])
 @given(controller=controllers(), seed=st.integers(0, 2**32 - 1))
 def test_every_input_is_covered_by_a_box_that_bounds_the_law_there(controller, seed):
     # Corners of sets are drawn often: there, a vertical side belongs to its set, and only a piece of no width says so.

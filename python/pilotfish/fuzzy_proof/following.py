@@ -150,7 +150,10 @@ def _inside_s(model: Following, region: _Region) -> _Region:
 def _kept(model: Following, greatest: GreatestOver, region: _Region) -> np.ndarray:
     """Where (*) is shown for every state of the box."""
     a, period, top = _of(model.acceleration_mps2), _of(model.period_s), model.speed_limit_mps
-    wanted = _of(model.velocity_scale_mps) * Interval.point(greatest(*_seen_by_law(model, region)))
+    u = greatest(*_seen_by_law(model, region))
+    # A positive scale keeps the sign: what is at most zero must not become the smallest double above it.
+    scaled = _of(model.velocity_scale_mps) * Interval.point(u)
+    wanted = Interval(scaled.lo, np.where(u <= 0.0, np.minimum(scaled.hi, 0.0), scaled.hi))
     step = a * period
     slowest = Interval(region.speed.lo, region.speed.lo) - step
     brakes = wanted.hi <= np.maximum(slowest.lo, 0.0)

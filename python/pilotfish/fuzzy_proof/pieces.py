@@ -93,8 +93,14 @@ def _pieces_of(row: Strip, column: Strip, rules: list[list[int]], layers: Layers
 
 def _lines(row: Strip, column: Strip) -> list[tuple[Degree, Degree]]:
     """The pairs of degrees that may be equal somewhere inside the rectangle, each line once."""
-    known = {}
-    for a, b in product(row.degrees, column.degrees):
+    known: dict[tuple[Fraction, ...], tuple[Degree, Degree]] = {}
+    spans = [
+        [(degree, sorted((degree.at(strip.begin), degree.at(strip.end)))) for degree in strip.degrees]
+        for strip in (row, column)
+    ]
+    for (a, (low_a, high_a)), (b, (low_b, high_b)) in product(*spans):
+        if high_a <= low_b or high_b <= low_a:
+            continue
         line = [a.slope, -b.slope, a.at(Fraction(0)) - b.at(Fraction(0))]
         lead = next((c for c in line[:2] if c), None)
         if lead is not None:

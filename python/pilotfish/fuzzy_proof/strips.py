@@ -65,7 +65,7 @@ def corners_of(variable: fuzzy.LinguisticVariable) -> list[Corners]:
         if isinstance(shape, fuzzy.Gaussian):
             raise ConfigError(
                 f"{variable.name}.terms.{term.label}: a Gaussian cannot be proved about: its sides are no rational "
-                "functions, and no standard bounds the rounding of exp; write a triangle or trapezoid of about its width"
+                "functions, and no standard bounds the rounding of exp; write a triangle or trapezoid of its width"
             )
         if isinstance(shape, fuzzy.Triangle):
             found.append((shape.a, shape.b, shape.b, shape.c))
