@@ -1,4 +1,4 @@
-"""``pilotfish fuzzy prove``: the shipped file proved, broken ones refuted, and a counterexample that the simulator replays."""
+"""``pilotfish fuzzy prove``: the shipped file proved, broken ones refuted, a counterexample replayed."""
 
 import json
 import re
@@ -107,7 +107,7 @@ def test_a_broken_rule_is_not_proved_and_its_counterexample_replays_in_the_simul
 def test_a_vertical_side_is_shown_by_a_pair_of_neighbouring_inputs(tmp_path):
     sets = {"NM": {"triangle": [-0.8, -0.5, -0.5]}, "NS": {"trapezoid": [-0.5, -0.5, -0.3, 0.0]}}
     file = broken(tmp_path, lambda law: law["E"]["terms"].update(sets))
-    code, said, out = run(file, "--json")
+    code, _, out = run(file, "--json")
     assert code == 1
     report = json.loads(out[out.index("{") :])
     assert report["statements"]["continuous"] is False
