@@ -114,12 +114,13 @@ def prove(
             _check_counterexample(counterexample, file, config)
         with share_progress("the law") as step:
             proof = prove_all(controller, model, tolerance=tolerance, sign_within=sign_within, on_stage=step)
+        if not as_json:
+            print_proof(proof, controller)
         written = _write(counterexample, controller, proof)
         if as_json:
             report = {"file": str(file), **proof.as_dict(), "written": [str(each) for each in written]}
             typer.echo(json.dumps(report, indent=2))
         else:
-            print_proof(proof, controller)
             for each in written:
                 console.print(f"wrote {each}", soft_wrap=True)
             if written:

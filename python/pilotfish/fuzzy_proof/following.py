@@ -240,14 +240,8 @@ def largest_speed(model: Following, greatest: GreatestOver, steps: int = 7) -> f
 
 def least_setpoint(model: Following, greatest: GreatestOver, highest_m: float, steps: int = 8) -> float | None:
     """The least setpoint up to ``highest_m`` at which the invariant is proved, found by bisection; None: none is."""
-    found = _bisect(
-        lambda lowered: replace(model, setpoint_m=highest_m - lowered),
-        0.0,
-        highest_m - max(model.stop_distance_m, RANGES["setpoint_m"][0]),
-        greatest,
-        steps,
-    )
-    return None if found is None else highest_m - found
+    lowest_m = max(model.stop_distance_m, RANGES["setpoint_m"][0])
+    return _bisect(lambda setpoint: replace(model, setpoint_m=setpoint), highest_m, lowest_m, greatest, steps)
 
 
 def _bisect(
