@@ -24,6 +24,7 @@ from rich.progress import (
     Progress,
     ProgressColumn,
     SpinnerColumn,
+    TaskProgressColumn,
     TextColumn,
     TimeElapsedColumn,
     TimeRemainingColumn,
@@ -146,6 +147,15 @@ def tell(text: str) -> None:
 def tell_next(purpose: str, *words: str | Path) -> None:
     """What to do next, and the command for it as a shell takes it: paths may have spaces."""
     tell(f"next, {purpose}: {shlex.join(map(str, words))}")
+
+
+@contextmanager
+def share_progress(label: str) -> Iterator[Callable[[str, float], None]]:
+    """The same for work in stages, with the time that is left: ``step(stage, share of all that is done)``."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=_errors) as bar:
+        task = bar.add_task(label, total=1.0)
+        yield lambda stage, share: bar.update(task, description=stage, completed=share)
 
 
 def print_whole(table: Table, width: int) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, tell, warn
+from pilotfish.cli.fuzzy_prove import prove
 from pilotfish.cli.options import between
 from pilotfish.errors import ConfigError
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from pilotfish.fuzzy_report import Report
 
 app = typer.Typer(
-    help="Look at a fuzzy controller (our .yaml or fuzzylite's .fll): show, check, plot, explain, convert.",
+    help="Look at a fuzzy controller (our .yaml or fuzzylite's .fll): show, check, prove, plot, explain, convert.",
     no_args_is_help=True,
 )
 
@@ -68,6 +69,9 @@ def check(file: FileArgument) -> None:
         _print_findings(report)
         if report.findings:
             raise typer.Exit(FINDINGS)
+
+
+app.command()(prove)
 
 
 @app.command()
