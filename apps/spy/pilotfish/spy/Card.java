@@ -4,6 +4,8 @@ import java.awt.FontMetrics;
 import java.awt.Graphics;
 import java.awt.Graphics2D;
 import java.awt.geom.RoundRectangle2D;
+import javax.accessibility.AccessibleContext;
+import javax.accessibility.AccessibleRole;
 import javax.swing.JComponent;
 
 /** A white field with round corners, in which something is drawn. */
@@ -32,6 +34,26 @@ abstract class Card extends JComponent {
         } finally {
             g.dispose();
         }
+    }
+
+    /** What the card says, for whoever cannot see it. */
+    final void say(String words) {
+        getAccessibleContext().setAccessibleName(words);
+    }
+
+    @Override
+    public AccessibleContext getAccessibleContext() {
+        if (accessibleContext == null) {
+            accessibleContext = new AccessibleJComponent() {
+                private static final long serialVersionUID = 1L;
+
+                @Override
+                public AccessibleRole getAccessibleRole() {
+                    return AccessibleRole.LABEL;
+                }
+            };
+        }
+        return accessibleContext;
     }
 
     /** Draws into (0, 0) to (width, height). */

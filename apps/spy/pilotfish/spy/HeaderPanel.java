@@ -12,28 +12,34 @@ import pilotfish.status_t;
 /** What the coordinator does and why, in its own words. */
 final class HeaderPanel extends Card {
     private static final long serialVersionUID = 1L;
-    static final int HEIGHT = 86;
     private static final int FIELD = 40;
+    private static final int NUMBERS = 26;
 
     private final Subject subject;
     private status_t status;
     private observation_t seen;
     private String silence = Words.silence(Long.MAX_VALUE);
-    private String note = "";
+    private String note;
 
     HeaderPanel(Subject subject) {
         this.subject = subject;
-        setPreferredSize(new Dimension(600, HEIGHT));
+        setPreferredSize(new Dimension(600, 2 * MARGIN + FIELD + (subject.isPictureOnly() ? 0 : NUMBERS)));
     }
 
     /** silence: empty while statuses come; note: what else is wrong, or empty. */
     void show(status_t status, observation_t seen, String silence, String note) {
-        boolean same = this.status == status && this.seen == seen && this.silence.equals(silence) && this.note.equals(note);
+        boolean same = this.status == status && this.seen == seen && silence.equals(this.silence) && note.equals(this.note);
         this.status = status;
         this.seen = seen;
         this.silence = silence;
         this.note = note;
-        if (!same) repaint();
+        if (same) return;
+        say(headline() + "; " + reason() + "; " + numbers() + "; " + note);
+        repaint();
+    }
+
+    private String numbers() {
+        return status == null ? "" : Words.measured(status, seen);
     }
 
     /** "lost", "no message for 3 s". */
@@ -44,10 +50,9 @@ final class HeaderPanel extends Card {
 
     private String reason() {
         if (subject.isPictureOnly()) return "a camera's channel, without a coordinator";
-        if (status == null) return "nothing has come on " + subject.title().toUpperCase(java.util.Locale.ROOT) + "_STATUS";
+        if (status == null) return "nothing has come on " + subject.channelOf(Kind.STATUS);
         if (!silence.isEmpty()) return "the last: " + status.text;
-        String reason = Words.reason(status);
-        return reason.isEmpty() ? "" : reason;
+        return Words.reason(status);
     }
 
     @Override
@@ -63,7 +68,7 @@ final class HeaderPanel extends Card {
         g.setFont(Palette.font(Font.PLAIN, 14));
         g.setColor(Palette.TEXT);
         g.drawString(fitted(g.getFontMetrics(), reason(), width - used - 8), used, 26);
-        line(g, status == null ? "" : Words.measured(status, seen), silence.isEmpty() ? Palette.TEXT : Palette.FAINT, width);
+        line(g, numbers(), silence.isEmpty() ? Palette.TEXT : Palette.FAINT, width);
     }
 
     /** The second line: numbers at the left, what is wrong at the right. */
@@ -71,7 +76,7 @@ final class HeaderPanel extends Card {
         g.setFont(Palette.font(Font.PLAIN, 13));
         FontMetrics metrics = g.getFontMetrics();
         g.setColor(Palette.RED);
-        String shown = fitted(metrics, note, width - 10);
+        String shown = fitted(metrics, note == null ? "" : note, width - 10);
         g.drawString(shown, width - 10 - metrics.stringWidth(shown), FIELD + 20);
         g.setColor(colour);
         int left = width - 20 - (shown.isEmpty() ? 0 : metrics.stringWidth(shown) + 16);

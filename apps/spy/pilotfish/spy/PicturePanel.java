@@ -6,9 +6,11 @@ import java.awt.Dimension;
 import java.awt.Font;
 import java.awt.FontMetrics;
 import java.awt.Graphics2D;
+import java.awt.Shape;
 import java.awt.geom.AffineTransform;
 import java.awt.geom.Path2D;
 import java.awt.geom.Point2D;
+import java.awt.geom.Rectangle2D;
 import pilotfish.observation_t;
 import pilotfish.tag_detection_t;
 
@@ -71,11 +73,15 @@ final class PicturePanel extends Card {
         AffineTransform place = AffineTransform.getTranslateInstance(left, 0);
         place.scale(shownWidth / picture.image.getWidth(), shownHeight / picture.image.getHeight());
         g.drawImage(picture.image, place, null);
-        if (seen != null) for (tag_detection_t tag : seen.tags) draw(g, tag, left, fit);
+        Rectangle2D shown = new Rectangle2D.Double(left, 0, shownWidth, shownHeight);
+        Graphics2D inside = (Graphics2D) g.create();
+        inside.clip(shown);
+        if (seen != null) for (tag_detection_t tag : seen.tags) draw(inside, tag, left, fit, shownHeight);
+        inside.dispose();
         String wrong = refusal.isEmpty() ? silence.replace("message", "picture") : "picture refused: " + refusal;
         if (!wrong.isEmpty()) {
             g.setColor(new Color(238, 241, 245, 190));
-            g.fill(new java.awt.geom.Rectangle2D.Double(left, 0, shownWidth, shownHeight));
+            g.fill(shown);
             words(g, wrong, width, (int) shownHeight);
         }
         caption(g, width, (int) Math.round(shownHeight) + 16);
@@ -102,25 +108,27 @@ final class PicturePanel extends Card {
     }
 
     /** (0, 0) is the centre of the top-left pixel, so its corner is half a pixel before it. */
-    private static void draw(Graphics2D g, tag_detection_t tag, double left, double fit) {
+    private static void draw(Graphics2D g, tag_detection_t tag, double left, double fit, double height) {
         Path2D outline = new Path2D.Double();
         Point2D centre = new Point2D.Double();
-        double bottom = Double.NEGATIVE_INFINITY;
+        double top = Double.POSITIVE_INFINITY, bottom = Double.NEGATIVE_INFINITY;
         for (int k = 0; k < 4; k++) {
             double x = left + (tag.corners_px[k][0] + 0.5) * fit, y = (tag.corners_px[k][1] + 0.5) * fit;
             if (!(Math.abs(x) < 1e5 && Math.abs(y) < 1e5)) return;  // also NaN
             if (k == 0) outline.moveTo(x, y);
             else outline.lineTo(x, y);
             centre.setLocation(centre.getX() + x / 4, 0);
+            top = Math.min(top, y);
             bottom = Math.max(bottom, y);
         }
         outline.closePath();
         stroke(g, Palette.BEHIND_OUTLINE, 4.5f, outline);
         stroke(g, Palette.OUTLINE, 2f, outline);
-        label(g, Integer.toString(tag.id), centre.getX(), bottom + 17);
+        // Below the tag, or above it where the picture ends.
+        label(g, Integer.toString(tag.id), centre.getX(), bottom + 20 < height ? bottom + 17 : top - 6);
     }
 
-    private static void stroke(Graphics2D g, Color colour, float width, java.awt.Shape shape) {
+    private static void stroke(Graphics2D g, Color colour, float width, Shape shape) {
         g.setColor(colour);
         g.setStroke(new BasicStroke(width, BasicStroke.CAP_ROUND, BasicStroke.JOIN_ROUND));
         g.draw(shape);
@@ -129,7 +137,7 @@ final class PicturePanel extends Card {
     private static void label(Graphics2D g, String text, double x, double y) {
         g.setFont(Palette.font(Font.BOLD, 14));
         float left = (float) (x - g.getFontMetrics().stringWidth(text) / 2.0);
-        java.awt.Shape letters = g.getFont().createGlyphVector(g.getFontRenderContext(), text).getOutline(left, (float) y);
+        Shape letters = g.getFont().createGlyphVector(g.getFontRenderContext(), text).getOutline(left, (float) y);
         stroke(g, Palette.BEHIND_OUTLINE, 4f, letters);
         g.setColor(Palette.OUTLINE);
         g.fill(letters);

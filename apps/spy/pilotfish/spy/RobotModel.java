@@ -1,6 +1,7 @@
 package pilotfish.spy;
 
 import java.io.IOException;
+import java.util.Arrays;
 import java.util.EnumMap;
 import java.util.LinkedHashMap;
 import java.util.Map;
@@ -44,11 +45,17 @@ final class RobotModel {
             Object value = decode(kind, message);
             latest.put(kind, value);
             arrivedNs.put(kind, nowNs);
-            if (value instanceof observation_t) overlays.put(((observation_t) value).utime, (observation_t) value);
+            if (value instanceof observation_t) remember((observation_t) value);
         } catch (IOException | RuntimeException | OutOfMemoryError damaged) {
             // The generated decoders throw whatever the bytes lead to, and take what memory a message asks for.
             unreadable.merge(kind, 1, Integer::sum);
         }
+    }
+
+    /** Where frames stay out, a coordinator repeats the last frame's time and says so: that does not unsee its tags. */
+    private void remember(observation_t seen) {
+        observation_t before = overlays.get(seen.utime);
+        if (before == null || !before.detected || seen.detected) overlays.put(seen.utime, seen);
     }
 
     private static Object decode(Kind kind, byte[] message) throws IOException {
@@ -114,7 +121,7 @@ final class RobotModel {
     /** NaN for what is not known, or no longer. */
     private double[] values(long nowNs) {
         double[] values = new double[Strip.values().length];
-        java.util.Arrays.fill(values, Double.NaN);
+        Arrays.fill(values, Double.NaN);
         status_t status = ageNs(Kind.STATUS, nowNs) < FRESH_NS ? status() : null;
         observation_t seen = ageNs(Kind.OBSERVATION, nowNs) < FRESH_NS ? observation() : null;
         if (status != null && seen != null && seen.detected) {

@@ -1,6 +1,7 @@
 package pilotfish.spy;
 
 import javax.swing.JPanel;
+import pilotfish.observation_t;
 import pilotfish.status_t;
 
 /** All that a window shows, drawn from a model. Used by Swing's event thread only. */
@@ -37,7 +38,8 @@ final class RobotPanel extends JPanel {
         status_t status = model.status();
         boolean old = model.ageNs(Kind.STATUS, nowNs) > RobotModel.FRESH_NS;
         String note = busProblem.isEmpty() ? Words.unreadable(model.unreadable()) : busProblem;
-        header.show(status, model.observation(), Words.silence(model.ageNs(Kind.STATUS, nowNs)), note);
+        observation_t seen = model.ageNs(Kind.OBSERVATION, nowNs) < RobotModel.FRESH_NS ? model.observation() : null;
+        header.show(status, seen, Words.silence(model.ageNs(Kind.STATUS, nowNs)), note);
         picture.update(model.observationIn(picture.utime()), Words.silence(model.pictureAgeNs(nowNs)));
         if (status != null) rules.show(status.strengths, old);
         if (model.sample(nowNs)) charts.show(model, old);

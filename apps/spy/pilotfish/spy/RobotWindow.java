@@ -51,7 +51,7 @@ final class RobotWindow {
         });
         frame.setContentPane(panel);
         frame.setTitle(subject.title());
-        frame.setMinimumSize(new Dimension(420, 420));
+        frame.setMinimumSize(panel.getMinimumSize());
         frame.setSize(sizeOn(frame));
         frame.revalidate();
         frame.setVisible(true);
@@ -82,8 +82,9 @@ final class RobotWindow {
             long nowNs = System.nanoTime();
             panel.update(model, bus.problem(), nowNs);
             status_t status = model.status();
-            boolean live = Words.silence(model.ageNs(Kind.STATUS, nowNs)).isEmpty();
-            String title = subject.title() + (status == null || !live ? "" : ": " + Words.headline(status));
+            String silence = Words.silence(model.ageNs(Kind.STATUS, nowNs));
+            String title = subject.title();
+            if (!subject.isPictureOnly()) title += ": " + (silence.isEmpty() ? status.text : silence);
             if (!title.equals(frame.getTitle())) frame.setTitle(title);
             if (working.compareAndSet(false, true)) worker.execute(this::work);
         } catch (Throwable problem) {

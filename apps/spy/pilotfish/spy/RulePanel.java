@@ -11,10 +11,14 @@ import java.util.Arrays;
 final class RulePanel extends Card {
     private static final long serialVersionUID = 1L;
     private static final int TITLE = 24;
+    private static final double READABLE_PX = 11;  // height of a cell, below which its word is left out
 
     private final RuleTable table;
     private float[] strengths = new float[RuleTable.ROWS * RuleTable.COLUMNS];
     private boolean old = true;
+    private boolean words;
+    private Font plain;
+    private Font bold;
 
     RulePanel(RuleTable table) {
         this.table = table;
@@ -41,7 +45,9 @@ final class RulePanel extends Card {
         String subtitle = "if E is the row and EC the column, then U is the cell; orange: firing strength";
         g.drawString(fitted(g.getFontMetrics(), subtitle, width - used), used, 13);
         double cellWidth = width / (RuleTable.COLUMNS + 1.0), cellHeight = (height - TITLE) / (RuleTable.ROWS + 1.0);
-        g.setFont(Palette.font(Font.PLAIN, (float) Math.max(8, Math.min(13, cellHeight * 0.6))));
+        words = cellHeight >= READABLE_PX;
+        plain = Palette.font(Font.PLAIN, (float) Math.min(13, cellHeight * 0.65));
+        bold = plain.deriveFont(Font.BOLD);
         for (int row = -1; row < RuleTable.ROWS; row++) {
             for (int column = -1; column < RuleTable.COLUMNS; column++) {
                 double x = (column + 1) * cellWidth, y = TITLE + (row + 1) * cellHeight;
@@ -52,10 +58,10 @@ final class RulePanel extends Card {
     }
 
     private void head(Graphics2D g, int row, int column, double x, double y, double width, double height) {
-        boolean words = !table.rows.isEmpty();
         String text = row < 0 && column < 0 ? "E \\ EC"
-                : !words ? "" : row < 0 ? table.columns.get(column) : table.rows.get(row);
+                : table.rows.isEmpty() ? "" : row < 0 ? table.columns.get(column) : table.rows.get(row);
         g.setColor(Palette.MUTED);
+        g.setFont(plain);
         centred(g, text, x, y, width, height);
     }
 
@@ -64,16 +70,18 @@ final class RulePanel extends Card {
         // Whole pixels, so that neighbouring cells share an edge.
         int left = (int) Math.round(x), top = (int) Math.round(y);
         int right = (int) Math.round(x + width), bottom = (int) Math.round(y + height);
-        g.setColor(Palette.lit(strength));
-        g.fillRect(left, top, right - left, bottom - top);
         g.setColor(Palette.EDGE);
-        g.drawRect(left, top, right - left, bottom - top);
+        g.fillRect(left, top, right - left + 1, bottom - top + 1);
+        g.setColor(Palette.lit(strength));
+        g.fillRect(left + 1, top + 1, right - left - 1, bottom - top - 1);
         // White is the more readable one on the full orange only.
         g.setColor(old ? Palette.FAINT : strength > 0.9 ? Palette.CARD : strength > 0 ? Palette.TEXT : Palette.MUTED);
+        g.setFont(strength > 0.05 ? bold : plain);
         centred(g, table.cell(row, column), x, y, width, height);
     }
 
-    private static void centred(Graphics2D g, String text, double x, double y, double width, double height) {
+    private void centred(Graphics2D g, String text, double x, double y, double width, double height) {
+        if (!words) return;
         FontMetrics metrics = g.getFontMetrics();
         double baseline = y + (height + metrics.getAscent() - metrics.getDescent()) / 2;
         g.drawString(text, (float) (x + (width - metrics.stringWidth(text)) / 2), (float) baseline);

@@ -54,6 +54,12 @@ final class Subject {
         return pattern.toString();
     }
 
+    /** Empty where it has none. */
+    String channelOf(Kind wanted) {
+        return kinds.entrySet().stream().filter(entry -> entry.getValue() == wanted).map(Map.Entry::getKey).findFirst()
+                .orElse("");
+    }
+
     /** For people: where pictures are expected. */
     String pictureChannels() {
         StringBuilder names = new StringBuilder();

@@ -19,9 +19,10 @@ final class WindowLayout implements LayoutManager {
     public void layoutContainer(Container parent) {
         List<Component> all = new ArrayList<>(List.of(parent.getComponents()));
         int width = parent.getWidth() - 2 * GAP, height = parent.getHeight() - 2 * GAP;
-        all.get(0).setBounds(GAP, GAP, width, HeaderPanel.HEIGHT);
-        int top = GAP + HeaderPanel.HEIGHT + GAP;
-        int rest = height - HeaderPanel.HEIGHT - GAP;
+        int head = all.get(0).getPreferredSize().height;
+        all.get(0).setBounds(GAP, GAP, width, head);
+        int top = GAP + head + GAP;
+        int rest = height - head - GAP;
         if (all.size() == 2) {
             all.get(1).setBounds(GAP, top, width, rest);
         } else if (parent.getWidth() > WIDE * parent.getHeight()) {
@@ -49,7 +50,7 @@ final class WindowLayout implements LayoutManager {
 
     @Override
     public Dimension minimumLayoutSize(Container parent) {
-        return new Dimension(420, 420);
+        return new Dimension(480, 480);
     }
 
     @Override
