@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from pilotfish import bus, core
 from pilotfish.harness.child import Child
 from pilotfish.harness.ports import private_lcm_url
 
+MAKE_JARS = Path(__file__).parents[2] / "apps/spy/make_jars"
 FIELD_BACKGROUND = (230, 230, 255)  # lcm-spy paints it behind decoded fields, and nowhere else
 
 
@@ -79,6 +81,32 @@ def test_a_jar_that_is_not_there_is_refused():
     refused = run(DISPLAY=":0", PILOTFISH_LCMTYPES_JAR="/nowhere/types.jar")
     assert refused.returncode == 69
     assert "PILOTFISH_LCMTYPES_JAR=/nowhere/types.jar: there is no such file" in refused.stderr
+
+
+@pytest.mark.usefixtures("lcm_spy")
+def test_without_the_plug_in_it_says_what_is_missing(tmp_path):
+    types = tmp_path / "types.jar"
+    types.touch()
+    said = run(PILOTFISH_LCMTYPES_JAR=str(types)).stderr  # and ends, because there is no screen
+    assert f"no {tmp_path}/pilotfish-spy.jar, so a double click on a status or an image shows its fields only" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ([], 64, "usage: make_jars LCM_GEN LCM_JAR FOLDER"),
+        (["/nowhere/lcm-gen", "/dev/null", "jars"], 69, "/nowhere/lcm-gen: there is no such program"),
+        (["true", "/nowhere/lcm.jar", "jars"], 69, "/nowhere/lcm.jar: there is no such file"),
+    ],
+)
+def test_jars_that_cannot_be_made_are_refused_with_what_to_install(tmp_path, arguments, code, said):
+    tools = {"JAVAC": "true", "JAR": "true"}
+    refused = subprocess.run(
+        [MAKE_JARS, *arguments], cwd=tmp_path, env={**os.environ, **tools}, capture_output=True, text=True, check=False
+    )
+    assert refused.returncode == code
+    assert said in refused.stderr
+    assert not (tmp_path / "jars").exists()
 
 
 class Traffic:

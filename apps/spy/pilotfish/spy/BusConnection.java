@@ -7,8 +7,8 @@ import lcm.lcm.LCMDataInputStream;
 import lcm.lcm.LCMSubscriber;
 
 /**
- * A connection that only receives. lcm-spy gives its plug-ins the messages of the clicked channel alone, and a robot has
- * several, so a window has a connection of its own.
+ * A connection that only receives. lcm-spy gives its plug-ins the messages of the clicked channel alone, and a robot
+ * has several, so a window has a connection of its own.
  *
  * <p>LCM's receiving thread ends for good at a datagram that it cannot take apart. {@link #check} notices and connects
  * anew. All methods but the callback are called by one thread, not Swing's: closing waits for the receiving thread.

@@ -19,7 +19,8 @@ final class HeaderPanel extends Card {
     private status_t status;
     private observation_t seen;
     private String silence = Words.silence(Long.MAX_VALUE);
-    private String note;
+    private String note = "";
+    private boolean said;
 
     HeaderPanel(Subject subject) {
         this.subject = subject;
@@ -28,11 +29,13 @@ final class HeaderPanel extends Card {
 
     /** silence: empty while statuses come; note: what else is wrong, or empty. */
     void show(status_t status, observation_t seen, String silence, String note) {
-        boolean same = this.status == status && this.seen == seen && silence.equals(this.silence) && note.equals(this.note);
+        boolean same = said && this.status == status && this.seen == seen && this.silence.equals(silence)
+                && this.note.equals(note);
         this.status = status;
         this.seen = seen;
         this.silence = silence;
         this.note = note;
+        said = true;
         if (same) return;
         say(headline() + "; " + reason() + "; " + numbers() + "; " + note);
         repaint();
@@ -49,7 +52,7 @@ final class HeaderPanel extends Card {
     }
 
     private String reason() {
-        if (subject.isPictureOnly()) return "a camera's channel, without a coordinator";
+        if (subject.isPictureOnly()) return note.isEmpty() ? "a camera's channel, without a coordinator" : note;
         if (status == null) return "nothing has come on " + subject.channelOf(Kind.STATUS);
         if (!silence.isEmpty()) return "the last: " + status.text;
         return Words.reason(status);
@@ -68,7 +71,7 @@ final class HeaderPanel extends Card {
         g.setFont(Palette.font(Font.PLAIN, 14));
         g.setColor(Palette.TEXT);
         g.drawString(fitted(g.getFontMetrics(), reason(), width - used - 8), used, 26);
-        line(g, numbers(), silence.isEmpty() ? Palette.TEXT : Palette.FAINT, width);
+        if (!subject.isPictureOnly()) line(g, numbers(), silence.isEmpty() ? Palette.TEXT : Palette.FAINT, width);
     }
 
     /** The second line: numbers at the left, what is wrong at the right. */
@@ -76,7 +79,7 @@ final class HeaderPanel extends Card {
         g.setFont(Palette.font(Font.PLAIN, 13));
         FontMetrics metrics = g.getFontMetrics();
         g.setColor(Palette.RED);
-        String shown = fitted(metrics, note == null ? "" : note, width - 10);
+        String shown = fitted(metrics, note, width - 10);
         g.drawString(shown, width - 10 - metrics.stringWidth(shown), FIELD + 20);
         g.setColor(colour);
         int left = width - 20 - (shown.isEmpty() ? 0 : metrics.stringWidth(shown) + 16);

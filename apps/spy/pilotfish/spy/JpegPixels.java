@@ -12,7 +12,10 @@ import javax.imageio.ImageReadParam;
 import javax.imageio.ImageReader;
 import javax.imageio.stream.MemoryCacheImageInputStream;
 
-/** The pixels of a JPEG. One that says another size than its message, or is damaged, is refused as the coordinator does. */
+/**
+ * The pixels of a JPEG. One that says another size than its message, or is damaged, is refused as the coordinator
+ * does.
+ */
 final class JpegPixels {
     private JpegPixels() {}
 

@@ -62,8 +62,10 @@ final class PicturePanel extends Card {
         if (picture == null) {
             g.setColor(Palette.PAGE);
             g.fillRect(0, 0, width, height);
-            words(g, refusal.isEmpty() ? "no picture on " + subject.pictureChannels() : "picture refused: " + refusal,
-                    width, height);
+            String channels = subject.pictureChannels();
+            String missing = channels.isEmpty() ? "no picture: " + subject.title() + " is no robot's channel"
+                    : "no picture on " + channels;
+            words(g, refusal.isEmpty() ? missing : "picture refused: " + refusal, width, height);
             return;
         }
         double fit = Math.min((double) width / picture.sourceWidth,

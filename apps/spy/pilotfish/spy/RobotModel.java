@@ -10,8 +10,9 @@ import pilotfish.observation_t;
 import pilotfish.status_t;
 
 /**
- * What is known of a robot by now, folded from its messages. Without a clock of its own: `nowNs` is any clock that never
- * runs backward. LCM's thread puts messages in while Swing's reads, hence the locks; what is read is never changed again.
+ * What is known of a robot by now, folded from its messages. Without a clock of its own: `nowNs` is any clock that
+ * never runs backward. LCM's thread puts messages in while Swing's reads, hence the locks; what is read is never
+ * changed again.
  */
 final class RobotModel {
     static final long FRESH_NS = 500_000_000L;

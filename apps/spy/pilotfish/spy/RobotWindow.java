@@ -15,8 +15,8 @@ import javax.swing.WindowConstants;
 import pilotfish.status_t;
 
 /**
- * The window of a robot: a panel, the messages for it, and the clock that repaints it. Closing it ends its connection and
- * its threads.
+ * The window of a robot: a panel, the messages for it, and the clock that repaints it. Closing it ends its connection
+ * and its threads.
  */
 final class RobotWindow {
     private static final int PERIOD_MS = 50;  // 20 Hz at most, however fast messages come
@@ -110,6 +110,7 @@ final class RobotWindow {
 
     private void close() {
         timer.stop();
+        if (worker.isShutdown()) return;  // closed before
         worker.execute(bus::close);
         worker.shutdown();
     }

@@ -12,8 +12,9 @@ import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 
 /**
- * The words of the fuzzy rules: IF E is a row AND EC is a column THEN U is the cell. They are in the jar as the file they
- * come from, data/fuzzy/coordination.yaml; a status has the strengths of the rules in the same order, row by row.
+ * The words of the fuzzy rules: IF E is a row AND EC is a column THEN U is the cell. They are in the jar as the file
+ * they come from, data/fuzzy/coordination.yaml; a status has the strengths of the rules in the same order, row by
+ * row.
  */
 final class RuleTable {
     static final int ROWS = 8;

@@ -17,8 +17,8 @@ final class Samples {
     }
 
     /**
-     * How many samples are due by now. Usually none or one; more if this process had no time for them: those are gaps, so
-     * that the axis stays true. At most COUNT.
+     * How many samples are due by now. Usually none or one; more if this process had no time for them: those are
+     * gaps, so that the axis stays true. At most COUNT.
      */
     int due(long nowNs) {
         if (!begun) {

@@ -8,8 +8,9 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * The header above; below it, in a wide window, picture and rules at the left and the curves at the right; in a narrow one,
- * all below each other. Components stand in the order header, picture, rules, charts; a camera has the first two only.
+ * The header above; below it, in a wide window, picture and rules at the left and the curves at the right; in a
+ * narrow one, all below each other. Components stand in the order header, picture, rules, charts; a camera has the
+ * first two only.
  */
 final class WindowLayout implements LayoutManager {
     private static final int GAP = 8;

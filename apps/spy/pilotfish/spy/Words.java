@@ -6,7 +6,9 @@ import pilotfish.command_t;
 import pilotfish.observation_t;
 import pilotfish.status_t;
 
-/** What a window says in words. The coordinator's own words come with its messages; these are about ages and numbers. */
+/**
+ * What a window says in words. The coordinator's own words come with its messages; these are about ages and numbers.
+ */
 final class Words {
     /** The tone of a status: what its colours are made from. */
     enum Tone { GOOD, WAIT, BAD, STOP, OLD }

@@ -13,8 +13,8 @@ import java.util.stream.Collectors;
 import javax.imageio.ImageIO;
 
 /**
- * The parts of the plug-in, for tests in another language: each line of standard input is a question, and is answered by
- * a line. Words of a question are separated by tabs.
+ * The parts of the plug-in, for tests in another language: each line of standard input is a question, and is answered
+ * by a line. Words of a question are separated by tabs.
  */
 public final class Probe {
     private static final long MS = 1_000_000L;
@@ -116,7 +116,8 @@ public final class Probe {
     private String sample(long nowNs) {
         boolean taken = model.sample(nowNs);
         return taken + " " + Arrays.stream(Strip.values())
-                .map(strip -> Double.toString(model.samplesOf(strip)[Samples.COUNT - 1])).collect(Collectors.joining(" "));
+                .map(strip -> Double.toString(model.samplesOf(strip)[Samples.COUNT - 1]))
+                .collect(Collectors.joining(" "));
     }
 
     /** What the header says. */
