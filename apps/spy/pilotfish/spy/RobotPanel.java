@@ -35,11 +35,12 @@ final class RobotPanel extends JPanel {
 
     /** busProblem: why nothing can be received, or empty. */
     void update(RobotModel model, String busProblem, long nowNs) {
-        status_t status = model.status();
-        boolean old = model.ageNs(Kind.STATUS, nowNs) > RobotModel.FRESH_NS;
+        long ageNs = model.ageNs(Kind.STATUS, nowNs);
+        status_t status = model.status();  // after its age: where there is an age there is a status
+        boolean old = ageNs > RobotModel.FRESH_NS;
         String note = busProblem.isEmpty() ? Words.unreadable(model.unreadable()) : busProblem;
         observation_t seen = model.ageNs(Kind.OBSERVATION, nowNs) < RobotModel.FRESH_NS ? model.observation() : null;
-        header.show(status, seen, Words.silence(model.ageNs(Kind.STATUS, nowNs)), note);
+        header.show(status, seen, Words.silence(ageNs), note);
         picture.update(model.observationIn(picture.utime()), Words.silence(model.pictureAgeNs(nowNs)));
         if (status != null) rules.show(status.strengths, old);
         if (model.sample(nowNs)) charts.show(model, old);

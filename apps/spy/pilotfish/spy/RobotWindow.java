@@ -81,8 +81,8 @@ final class RobotWindow {
         try {
             long nowNs = System.nanoTime();
             panel.update(model, bus.problem(), nowNs);
-            status_t status = model.status();
             String silence = Words.silence(model.ageNs(Kind.STATUS, nowNs));
+            status_t status = model.status();  // after its age: where there is an age there is a status
             String title = subject.title();
             if (!subject.isPictureOnly()) title += ": " + (silence.isEmpty() ? status.text : silence);
             if (!title.equals(frame.getTitle())) frame.setTitle(title);
