@@ -1,8 +1,6 @@
 package pilotfish.spy;
 
 import java.awt.image.BufferedImage;
-import java.awt.image.DataBufferInt;
-import java.awt.image.Raster;
 import java.io.ByteArrayInputStream;
 import java.io.IOException;
 import java.util.concurrent.atomic.AtomicReference;
@@ -37,7 +35,7 @@ final class JpegPixels {
             every.setSourceSubsampling(step, step, 0, 0);
             BufferedImage image = reader.read(0, every);
             if (warning.get() != null) throw new RefusedPicture("a damaged JPEG: " + warning.get());
-            return image.getRaster().getNumBands() == 1 ? gray(image.getRaster()) : image;
+            return image;
         } catch (IIOException problem) {
             throw new RefusedPicture("a JPEG that cannot be read: " + problem.getMessage());
         } catch (IOException | RuntimeException problem) {  // Java's reader throws whatever damaged bytes lead to
@@ -45,15 +43,5 @@ final class JpegPixels {
         } finally {
             reader.dispose();
         }
-    }
-
-    /** With the levels as they are: Java takes those of its own gray pictures for linear light, which they are not. */
-    private static BufferedImage gray(Raster levels) {
-        int width = levels.getWidth(), height = levels.getHeight();
-        BufferedImage image = new BufferedImage(width, height, BufferedImage.TYPE_INT_RGB);
-        int[] out = ((DataBufferInt) image.getRaster().getDataBuffer()).getData();
-        levels.getSamples(0, 0, width, height, 0, out);
-        for (int k = 0; k < out.length; k++) out[k] *= 0x010101;
-        return image;
     }
 }
