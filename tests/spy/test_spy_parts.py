@@ -248,8 +248,15 @@ def test_curves_have_gaps_where_nothing_is_known(probe):
     fed.take("OBSERVATION", robot_on_bus.observation(0, detected=False), 0)
     fed.take("COMMAND", robot_on_bus.command(linear_mps=float("inf"), angular_radps=float("nan")), 0)
     assert [name for name, value in fed.sample(0)[1].items() if np.isfinite(value)] == ["LATENCY"]
-    # 0.5 s after the last message its values are none of now.
-    assert not any(np.isfinite(value) for value in fed.sample(500)[1].values())
+
+
+def test_values_of_half_a_second_ago_are_none_of_now(probe):
+    fed = Fed(probe)
+    fed.take("STATUS", robot_on_bus.status(), 0)
+    fed.take("OBSERVATION", robot_on_bus.observation(1), 0)
+    fed.take("COMMAND", robot_on_bus.command(), 0)
+    assert all(map(np.isfinite, fed.sample(499)[1].values()))
+    assert not any(map(np.isfinite, fed.sample(500 + 99)[1].values()))
 
 
 def test_a_sample_is_taken_every_100_ms_and_a_pause_is_a_gap(probe):

@@ -119,7 +119,7 @@ final class RobotModel {
         return new int[] {pictures.size(), overlays.size(), samples.of(Strip.SPEED).length};
     }
 
-    /** NaN for what is not known, or no longer. */
+    /** NaN for what is not known, or no longer; what a message says may be infinite. */
     private double[] values(long nowNs) {
         double[] values = new double[Strip.values().length];
         Arrays.fill(values, Double.NaN);
@@ -136,7 +136,6 @@ final class RobotModel {
             values[Strip.SPEED.ordinal()] = command.linear_mps;
             values[Strip.TURN_RATE.ordinal()] = command.angular_radps;
         }
-        for (int k = 0; k < values.length; k++) if (Double.isInfinite(values[k])) values[k] = Double.NaN;
         return values;
     }
 }
