@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("docs/*.md"))
 COMMANDS = sorted({(page, command) for page in PAGES for command in page_commands.commands(page)})
 UsageError = typer.BadParameter.__base__  # typer's own copy of click, or click's
-CPP_PROGRAMS = ("pilotfish-coordinator", "pilotfish-base", "pilotfish-sim")
+WITH_HELP = ("pilotfish-coordinator", "pilotfish-base", "pilotfish-sim", "pilotfish-spy")
 # Of the system, of LCM, of the repository; docs/library.md's and examples' builds run in tests/library.
 OTHERS = {
     "sudo",
@@ -83,14 +83,14 @@ def test_every_command_of_a_guide_is_one_that_its_program_takes(page, command, t
     program, *words = shlex.split(command)
     if program == "pilotfish":
         parse(words, tmp_path)
-    elif program in CPP_PROGRAMS:
+    elif program in WITH_HELP:
         known = set(re.findall(r"--[a-z-]+", help_of(program)))
         assert {word for word in words if word.startswith("--")} <= known
     elif program == "python" and words[0] == "-m":
         assert (ROOT / "python" / words[1].replace(".", "/")).with_suffix(".py").is_file()
     elif program == "python":  # an example; tests/ros runs those of docs/ros.md
         assert words[0].startswith("examples/") and (ROOT / words[0]).is_file()
-    elif program.startswith("scripts/"):
+    elif program.startswith(("scripts/", "apps/")):
         assert (ROOT / program).is_file()
     else:
         assert program in OTHERS, f"{page}: who tests {program}?"

@@ -7,16 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image, ImageGrab
+from PIL import Image
+from spy_screen import LAUNCHER, PATIENCE_S
 
 from pilotfish import bus, core
 from pilotfish.harness.child import Child
-from pilotfish.harness.executables import find_executable
 from pilotfish.harness.ports import private_lcm_url
 
-LAUNCHER = find_executable("pilotfish-spy")
-PATIENCE_S = 60.0  # a cold Java on a busy machine
-ROW_PX = 16  # of its table of channels
+MAKE_JARS = Path(__file__).parents[2] / "apps/spy/make_jars"
 FIELD_BACKGROUND = (230, 230, 255)  # lcm-spy paints it behind decoded fields, and nowhere else
 
 
@@ -71,18 +69,6 @@ def test_with_a_java_without_windows_it_says_which_package_to_install(tmp_path, 
     assert "apt-get install default-jre" in refused.stderr
 
 
-@pytest.fixture
-def lcm_spy():
-    """Skips unless everything is there that lcm-spy itself needs."""
-    needed = {"java": "default-jre", "Xvfb": "xvfb", "xdotool": "xdotool"}
-    for program, package in needed.items():
-        if not shutil.which(program):
-            pytest.skip(f"no {program} (package {package})")
-    for jar, package in {"lcm.jar": "liblcm-java", "jchart2d.jar": "libjchart2d-java"}.items():
-        if not Path("/usr/share/java", jar).exists():
-            pytest.skip(f"no {jar} (package {package})")
-
-
 @pytest.mark.usefixtures("lcm_spy")
 def test_without_a_screen_it_says_so():
     refused = run()
@@ -97,23 +83,30 @@ def test_a_jar_that_is_not_there_is_refused():
     assert "PILOTFISH_LCMTYPES_JAR=/nowhere/types.jar: there is no such file" in refused.stderr
 
 
-@pytest.fixture
-def screen(tmp_path, lcm_spy):
-    """A virtual screen: its DISPLAY."""
-    read, write = os.pipe()
-    os.set_inheritable(write, True)
-    # Without -noreset the server starts anew whenever its last client leaves, and refuses who comes at that moment.
-    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1024x768x24", "-nolisten", "tcp", "-noreset"]
-    server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
-    os.close(write)
-    with os.fdopen(read) as answer:
-        number = answer.readline().strip()  # comes when the screen is ready; nothing if Xvfb ends
-    try:
-        assert number, "Xvfb did not start"
-        yield f":{number}"
-    finally:
-        server.terminate()
-        server.wait()
+@pytest.mark.usefixtures("lcm_spy")
+def test_without_the_plug_in_it_says_what_is_missing(tmp_path):
+    types = tmp_path / "types.jar"
+    types.touch()
+    said = run(PILOTFISH_LCMTYPES_JAR=str(types)).stderr  # and ends, because there is no screen
+    assert f"no {tmp_path}/pilotfish-spy.jar, so a double click on a status or an image shows its fields only" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        ([], 64, "usage: make_jars LCM_GEN LCM_JAR FOLDER"),
+        (["/nowhere/lcm-gen", "/dev/null", "jars"], 69, "/nowhere/lcm-gen: there is no such program"),
+        (["true", "/nowhere/lcm.jar", "jars"], 69, "/nowhere/lcm.jar: there is no such file"),
+    ],
+)
+def test_jars_that_cannot_be_made_are_refused_with_what_to_install(tmp_path, arguments, code, said):
+    tools = {"JAVAC": "true", "JAR": "true"}
+    refused = subprocess.run(
+        [MAKE_JARS, *arguments], cwd=tmp_path, env={**os.environ, **tools}, capture_output=True, text=True, check=False
+    )
+    assert refused.returncode == code
+    assert said in refused.stderr
+    assert not (tmp_path / "jars").exists()
 
 
 class Traffic:
@@ -146,39 +139,33 @@ TYPES = {"bot_core": 3, "pilotfish": 16}
 def test_every_channel_shows_its_decoded_fields(tmp_path, screen, monkeypatch):
     url = private_lcm_url()
     traffic = Traffic(url)
-    monkeypatch.setenv("DISPLAY", screen)
-
-    def xdotool(*words):
-        done = subprocess.run(["xdotool", *map(str, words)], capture_output=True, text=True, check=False)
-        return done.stdout.split()
-
-    def screenshot():
-        traffic.publish()
-        return np.asarray(ImageGrab.grab(xdisplay=screen).convert("RGB"))
-
-    def rows():
-        """Lines of the table of channels with letters in them; the first is below its head."""
-        lines = [screenshot()[20 + ROW_PX * k : 20 + ROW_PX * (k + 1), :100] for k in range(20)]
-        return sum(bool((line.sum(axis=2) < 200).sum() > 40) for line in lines)
+    monkeypatch.setenv("DISPLAY", screen.display)
 
     def field_pixels():
-        return int((screenshot() == FIELD_BACKGROUND).all(axis=2).sum())
+        traffic.publish()
+        return int((screen.pixels() == FIELD_BACKGROUND).all(axis=2).sum())
+
+    def listed():
+        traffic.publish()
+        return screen.rows() == len(CHANNELS)
 
     with Child(["sh", LAUNCHER, "--lcm-url", url], tmp_path, "spy") as spy:
-        spy.wait_until(lambda: xdotool("search", "--name", "^LCM Spy$"), PATIENCE_S, "showing its window")
-        (table,) = xdotool("search", "--name", "^LCM Spy$")
-        spy.wait_until(lambda: rows() == len(CHANNELS), PATIENCE_S, "listing all channels")
+        spy.wait_until(lambda: screen.windows("^LCM Spy$"), PATIENCE_S, "showing its window")
+        spy.wait_until(listed, PATIENCE_S, "listing all channels")
         assert f"Found {sum(TYPES.values())} LCM types" in spy.stdout_file.read_text()
 
         for row, channel in enumerate(CHANNELS):
             assert field_pixels() == 0
-            y = 20 + ROW_PX * row + ROW_PX // 2
-            xdotool("mousemove", "--window", table, 60, y, "click", "--repeat", 2, "--delay", 60, 1)
+            if channel in ("IMAGE", "STATUS"):  # a double click shows the robot; the fields are in the menu
+                screen.click(row, button=3)
+                screen.xdotool("mousemove_relative", 30, 12, "click", 1)
+            else:
+                screen.click(row, times=2)
             title = f"^ROBOT1_{channel}$"
-            spy.wait_until(lambda title=title: xdotool("search", "--onlyvisible", "--name", title), PATIENCE_S, title)
+            spy.wait_until(lambda title=title: screen.windows(title), PATIENCE_S, title)
             # A type that lcm-spy does not know has an empty window; ours show their fields, however many.
             spy.wait_until(lambda: field_pixels() > 5000, PATIENCE_S, f"showing the fields of {channel}")
-            Image.fromarray(screenshot()).save(tmp_path / f"{channel}.png")
-            (viewer,) = xdotool("search", "--onlyvisible", "--name", title)
-            xdotool("windowunmap", viewer)
+            Image.fromarray(screen.pixels()).save(tmp_path / f"{channel}.png")
+            (viewer,) = screen.windows(title)
+            screen.xdotool("windowunmap", viewer)
             spy.wait_until(lambda: field_pixels() == 0, PATIENCE_S, f"putting {channel} away")
