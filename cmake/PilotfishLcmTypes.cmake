@@ -75,17 +75,17 @@ file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/apps)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/apps/pilotfish-spy ${PROJECT_BINARY_DIR}/apps/pilotfish-spy SYMBOLIC)
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/apps/pilotfish-spy DESTINATION ${java_launcher_dir})
 if(Java_JAVAC_EXECUTABLE AND Java_JAR_EXECUTABLE AND LCM_JAR)
-  set(jar ${PROJECT_BINARY_DIR}/share/pilotfish/pilotfish-lcmtypes.jar)
-  add_custom_command(OUTPUT ${jar}
-    COMMAND ${CMAKE_COMMAND} -E rm -rf ${generated}/java ${generated}/classes
-    COMMAND ${CMAKE_COMMAND} -E make_directory ${generated}/java ${PROJECT_BINARY_DIR}/share/pilotfish
-    COMMAND ${LCM_GEN} --java --jpath ${generated}/java ${lcm_files}
-    COMMAND ${Java_JAVAC_EXECUTABLE} -nowarn -encoding UTF-8 -cp ${LCM_JAR} -d ${generated}/classes ${java_sources}
-    COMMAND ${Java_JAR_EXECUTABLE} cf ${jar} -C ${generated}/classes .
-    DEPENDS ${lcm_files} VERBATIM)
-  add_custom_target(pilotfish_lcmtypes_jar ALL DEPENDS ${jar})
-  install(FILES ${jar} DESTINATION ${java_share_dir})
+  set(jar_folder ${PROJECT_BINARY_DIR}/share/pilotfish)
+  set(jars ${jar_folder}/pilotfish-lcmtypes.jar ${jar_folder}/pilotfish-spy.jar)
+  set(make_jars ${PROJECT_SOURCE_DIR}/apps/spy/make_jars)
+  file(GLOB_RECURSE plugin_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/apps/spy/*.java)
+  add_custom_command(OUTPUT ${jars}
+    COMMAND ${CMAKE_COMMAND} -E env JAVAC=${Java_JAVAC_EXECUTABLE} JAR=${Java_JAR_EXECUTABLE}
+            ${make_jars} ${LCM_GEN} ${LCM_JAR} ${jar_folder}
+    DEPENDS ${lcm_files} ${plugin_sources} ${make_jars} ${PROJECT_SOURCE_DIR}/data/fuzzy/coordination.yaml VERBATIM)
+  add_custom_target(pilotfish_jars ALL DEPENDS ${jars})
+  install(FILES ${jars} DESTINATION ${java_share_dir})
 else()
   message(STATUS "No Java compiler or no lcm.jar (default-jdk-headless, liblcm-java): "
-                 "pilotfish-spy will list the channels but show no decoded fields")
+                 "pilotfish-spy will list the channels, but show neither decoded fields nor a robot's window")
 endif()
