@@ -9,7 +9,6 @@ find_program(LCM_GEN lcm-gen PATHS /usr/bin NO_DEFAULT_PATH DOC "lcm-gen for C++
 find_program(LCM_GEN lcm-gen REQUIRED)
 
 set(cpp_headers)
-set(java_sources)
 set(python_modules)
 foreach(lcm_file ${lcm_files})
   get_filename_component(name ${lcm_file} NAME_WE)
@@ -19,7 +18,6 @@ foreach(lcm_file ${lcm_files})
   endif()
   set(type ${CMAKE_MATCH_1}/${CMAKE_MATCH_2})
   list(APPEND cpp_headers ${generated}/cpp/${type}.hpp)
-  list(APPEND java_sources ${generated}/java/${type}.java)
   list(APPEND python_modules ${generated}/python/pilotfish/lcmtypes/${type}.py)
   add_custom_command(OUTPUT ${generated}/cpp/${type}.hpp
     COMMAND ${LCM_GEN} --cpp --cpp-std c++11 --cpp-hpath ${generated}/cpp ${lcm_file}

@@ -51,9 +51,8 @@ def test_a_followed_tag_that_turns_pale_comes_with_its_contrast():
     # 190 gray levels, of which a fog leaves 60 %.
     eye = observer(detector=TagDetectorConfig(min_decision_margin=150.0))
     eye.observe(frame(picture(), 0))
-    said = re.fullmatch(
-        r"contrast ([\d.]+) gray levels, at least 150 gray levels", eye.observe(frame(foggy(), 1)).detail
-    )
+    detail = eye.observe(frame(foggy(), 1)).detail
+    said = re.fullmatch(r"contrast ([\d.]+) gray levels, at least 150 gray levels", detail)
     assert said, detail
     assert 100 < float(said[1]) < 120
 
