@@ -122,7 +122,7 @@ def prove(
         stage(
             f"the sign when too {'close' if close else 'far'}",
             4,
-            lambda share, close=close: prove_sign(encloser, tolerance, too_close=close, on_share=share),
+            lambda share, close=close: prove_sign(encloser, vertices, tolerance, too_close=close, on_share=share),
         )
         for close in (True, False)
     )
