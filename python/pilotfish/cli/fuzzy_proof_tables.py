@@ -11,7 +11,7 @@ from rich.table import Table
 from pilotfish import fuzzy
 from pilotfish.cli.console import console
 from pilotfish.fuzzy_proof.branch import Optimum
-from pilotfish.fuzzy_proof.proof import Proof
+from pilotfish.fuzzy_proof.proof import Proof, highest_tried_m
 
 _UNITS = {"mps": "m/s", "mps2": "m/s²", "m": "m", "s": "s"}
 
@@ -175,12 +175,12 @@ def _invariant(proof: Proof) -> list[str]:
     lines.append(
         f"  proved for a top speed of {speed:.3f} m/s"
         if speed is not None
-        else "  not proved at any top speed from 0.01 m/s on"
+        else "  nor for any top speed that was tried, down to 0.01 m/s"
     )
     setpoint = proof.least_setpoint_m
     lines.append(
         f"  proved for a setpoint of {setpoint:.3f} m"
         if setpoint is not None
-        else "  not proved for any greater setpoint"
+        else f"  nor for any setpoint that was tried, up to {highest_tried_m(model):g} m"
     )
     return lines

@@ -79,7 +79,9 @@ def prove_steepest_rise(
     return maximise(encloser, objective, tolerance, reached=reached, at=at, on_share=on_share)
 
 
-def prove_sign(encloser: Encloser, tolerance: float, *, too_close: bool, on_share: OnShare | None = None) -> Optimum:
+def prove_sign(
+    encloser: Encloser, vertices: Boxes, tolerance: float, *, too_close: bool, on_share: OnShare | None = None
+) -> Optimum:
     """The smallest x so that u <= NOTHING for all e >= x and all ec (``too_close``): sup of the e where u > NOTHING.
 
     Not ``too_close``: the smallest x so that u >= -NOTHING for all e <= -x. Branch and bound finds it at once, where
@@ -94,7 +96,14 @@ def prove_sign(encloser: Encloser, tolerance: float, *, too_close: bool, on_shar
         upper = np.where(bounds.u.lo < -NOTHING, -boxes.e.lo, -np.inf)
         return upper, np.where(bounds.middle.hi < -NOTHING, -middle_e, -np.inf)
 
-    return maximise(encloser, objective, tolerance, on_share=on_share)
+    u = encloser.bounds(vertices).middle
+    wrong = (u.lo > NOTHING if too_close else u.hi < -NOTHING) & encloser.holds(vertices)
+    farthest = np.where(wrong, vertices.e.lo if too_close else -vertices.e.lo, -np.inf)
+    best = int(np.argmax(farthest))
+    reached, at = float(farthest[best]), (float(vertices.e.lo[best]), float(vertices.ec.lo[best]))
+    if not wrong[best]:
+        at = (float("nan"), float("nan"))
+    return maximise(encloser, objective, tolerance, reached=reached, at=at, on_share=on_share)
 
 
 def _part(on_share: OnShare | None, index: int, count: int) -> OnShare | None:

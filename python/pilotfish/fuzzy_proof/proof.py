@@ -122,7 +122,7 @@ def prove(
         stage(
             f"the sign when too {'close' if close else 'far'}",
             4,
-            lambda share, close=close: prove_sign(encloser, tolerance, too_close=close, on_share=share),
+            lambda share, close=close: prove_sign(encloser, vertices, tolerance, too_close=close, on_share=share),
         )
         for close in (True, False)
     )
@@ -162,13 +162,17 @@ def corners_of_pieces(surface: Surface) -> Boxes:
     return Boxes(piece, Interval.point(e), Interval.point(ec))
 
 
+def highest_tried_m(model: Following) -> float:
+    """The setpoint from which the least one is looked for where the model's own is not proved: about twice as far."""
+    return min(2.0 * model.setpoint_m + 1.0, 20.0)
+
+
 def _follow(model: Following, greatest: GreatestOver, share: OnShare) -> tuple[Invariant, float | None, float | None]:
     invariant = prove_invariant(model, greatest)
     share(0.1)
     speed_mps = model.speed_limit_mps if invariant.holds else largest_speed(model, greatest)
     share(0.4)
-    # From where it is proved down; where it is not, from twice as far, which is where a law that works at all works.
-    highest_m = model.setpoint_m if invariant.holds else min(2.0 * model.setpoint_m + 1.0, 20.0)
+    highest_m = model.setpoint_m if invariant.holds else highest_tried_m(model)
     return invariant, speed_mps, least_setpoint(model, greatest, highest_m)
 
 

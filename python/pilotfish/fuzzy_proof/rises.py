@@ -24,8 +24,8 @@ def prove_greatest_rise(
 
     Only of a continuous surface: there a rise is the integral of du/de along e, so within a narrow column of ec it is
     at most the greatest sum of (sup du/de) x (width) over consecutive cells (Kadane's algorithm); where a rise begins
-    or ends inside a cell, that cell counts if it is positive. Columns whose bound is more than ``tolerance`` above
-    what is reached are cut finer.
+    or ends inside a cell, that cell counts if it is positive. Columns whose
+    bound is more than ``tolerance`` and more than a tenth above what is reached are cut finer.
     """
     every = encloser.boxes
     edges = np.linspace(every.ec.lo.min(), every.ec.hi.max(), _COLUMNS + 1)
@@ -41,7 +41,7 @@ def prove_greatest_rise(
             seen += boxes
             if on_share:
                 on_share((round_ + (j + 1) / len(bound)) / _ROUNDS)
-        open_ = bound > reached + tolerance
+        open_ = bound > reached + max(tolerance, 0.1 * reached)
         last = round_ == _ROUNDS - 1 or 2 * open_.sum() > _MAX_COLUMNS
         if last:
             open_[:] = False
