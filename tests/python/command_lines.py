@@ -85,7 +85,7 @@ COMMANDS = {
         number("--ignore", "3"),
         number("--reference-tag", "0"),
     ],
-    "sweep": ["sweep", read(CAMPAIGN), "--check", number("--workers", "1"), folder()],
+    "sweep": ["sweep", read(CAMPAIGN), "--check", folder()],
     "sweep's results": ["sweep", "report", Slot("read", "{tmp}/none")],
     "fuzzy show": ["fuzzy", "show", read(LAW)],
     "fuzzy check": ["fuzzy", "check", read(LAW)],

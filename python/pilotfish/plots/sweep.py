@@ -119,10 +119,10 @@ def draw_sensitivity(found: Sequence[Sensitivity], labels: dict[str, str], title
             if each.group:
                 axes.set_title(each.group)
             axes.axvline(0.0, color=theme.guide, linewidth=0.8)
+            axes.set_ylabel("factor [-]")
             axes.set_xlabel("share [-]" if each.method == "sobol" else "index [-]")
             axes.grid(False, axis="y")
         row[0].set_yticks(range(len(names)), [labels[name] for name in names])
-        row[0].set_ylabel("factor [-]")
         figure.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=11)
         handles, texts = row[0].get_legend_handles_labels()
         figure.legend(handles, texts, loc="outside lower right", ncols=2, title="95 % bootstrap intervals")

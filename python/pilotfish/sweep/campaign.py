@@ -14,11 +14,10 @@ import yaml
 from pilotfish.data import did_you_mean
 from pilotfish.errors import ConfigError, PilotfishError
 from pilotfish.experiments import experiment_of
-from pilotfish.files import read_text
 from pilotfish.harness.scenario import Scenario
 from pilotfish.sweep import design
 from pilotfish.sweep.design import METHODS, Sampling
-from pilotfish.sweep.documents import Documents, read_documents
+from pilotfish.sweep.documents import Documents, read_documents, yaml_text
 from pilotfish.sweep.factors import Distributed, Factor, Levels, Value, read_factor
 from pilotfish.sweep.keys import check_key, file_key, resolve_file
 from pilotfish.sweep.metrics import METRICS
@@ -107,7 +106,7 @@ def load_campaign(file: str | Path) -> Campaign:
     """Reads and checks a campaign's file. ConfigError names the key, its value and what is allowed."""
     file = Path(file)
     try:
-        said = yaml.safe_load(read_text(file))
+        said = yaml.safe_load(yaml_text(file))
     except yaml.YAMLError as error:
         raise ConfigError(f"{file}: not YAML: {' '.join(str(error).split())}") from error
     try:

@@ -23,6 +23,7 @@ from pilotfish.harness.driving import BASELINES, Driving
 ROBOT_FILES = ("camera.calibration", "body.leader")
 CONFIG_FILES = ("camera.calibration", "leader", "fuzzy", "tuning")
 SCENARIO_FILE = "scenario.yaml"
+MAX_YAML_BYTES = 1_000_000
 
 _PLAIN = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)|true|false")
 
@@ -142,10 +143,17 @@ def put(section: dict[str, Any], key: str, value: Any) -> None:
         section[key] = value
 
 
+def yaml_text(file: Path) -> str:
+    """Of a file that may be YAML: PyYAML takes a minute for what is larger."""
+    if file.is_file() and file.stat().st_size > MAX_YAML_BYTES:
+        raise ConfigError(f"{file}: larger than {MAX_YAML_BYTES // 1000} kB: not a file of this kind")
+    return read_text(file)
+
+
 def _mapping(file: Path) -> dict[str, Any]:
     """YAML with every scalar as the text that it is."""
     try:
-        read = yaml.load(read_text(file), yaml.BaseLoader)
+        read = yaml.load(yaml_text(file), yaml.BaseLoader)
     except yaml.YAMLError as error:
         raise ConfigError(f"{file}: not YAML: {error}") from error
     if not isinstance(read, dict):
