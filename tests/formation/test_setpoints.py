@@ -30,12 +30,13 @@ def recording(robot, leader, error_m, setpoint_m):
     return Recording(**columns)
 
 
-def run_with(error_m):
+def run_with(error_m, bearing_error_rad=0.0):
     """One robot and its leader; the setpoint steps from 1.0 to 1.5 m at 8 s."""
     shape = formation("chain", robots=2, duration_s=20.0, changes=[{"at_s": 8.0, "spacing_m": 1.5}])
     setpoint_m = np.where(np.arange(len(error_m)) / RATE_HZ < 8.0 - 1e-9, 1.0, 1.5)
+    bearing_rad = np.full(len(error_m), -bearing_error_rad)
     own = recording("robot1", "leader", error_m, setpoint_m)
-    return FormationRun(shape, "paper", {"robot1": own}, {"robot1": setpoint_m}, {"robot1": np.zeros(len(error_m))})
+    return FormationRun(shape, "paper", {"robot1": own}, {"robot1": setpoint_m}, {"robot1": bearing_rad})
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
@@ -65,6 +66,12 @@ def test_what_leaves_the_tolerance_again_was_not_formed_and_what_never_enters_it
     once_more = np.where((time_s > 14.9) & (time_s < 15.02), 0.006, 0.0)  # frames at 14.93 to 15.0 s are outside
     assert forming(run_with(once_more))[1].formed_after_s == pytest.approx(15.033 - 8.0, abs=0.01)
     assert forming(run_with(np.full(600, 0.006)))[1].formed_after_s is None
+
+
+def test_across_the_line_of_sight_counts_the_distance_times_the_bearing_error():
+    """At 1.0 and 1.5 m 4 mrad are 4 and 6 mm: within 5 mm before the change alone."""
+    start, change = forming(run_with(np.zeros(600), bearing_error_rad=0.004))
+    assert (start.formed_after_s, change.formed_after_s) == (0.0, None)
 
 
 def test_while_setpoints_move_nothing_is_formed():

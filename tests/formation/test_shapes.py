@@ -57,6 +57,7 @@ def test_a_diamond_is_as_wide_in_its_middle_as_its_angle_says_and_has_one_robot_
     assert max(across) - min(across) == pytest.approx(2 * (side - 1) * spacing_m * math.sin(angle_rad))
     assert min(behind) == pytest.approx(-2 * (side - 1) * spacing_m * math.cos(angle_rad))
     assert at[-1] == pytest.approx((min(behind), 0.0), abs=1e-9)
+    assert at[1][1] > 0.0 > at[2][1], "from left to right"
 
 
 @no_deadline

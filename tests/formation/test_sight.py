@@ -12,24 +12,25 @@ from pilotfish.formation.expand import load_expanded, tag_offsets
 from pilotfish.formation.sight import bearing_range_rad, pose_at, sees, whole_tags
 
 
-def ids_seen(shape, folder, robot):
-    """Ids that the detector finds in the first rendered picture of a robot."""
+def ids_seen(shape, folder):
+    """By robot: ids that the detector finds in its first rendered picture."""
     world = sim.World(sim.load_scenario(load_expanded(shape, folder).file))
-    return {tag.id for tag in vision.TagDetector().detect(world.capture(robot).image).tags}
+    pictures = {robot: world.capture(robot).image for robot in shape.leaders}
+    return {robot: {tag.id for tag in vision.TagDetector().detect(image).tags} for robot, image in pictures.items()}
 
 
 @pytest.mark.parametrize("name", sorted(formations()))
 def test_in_every_shipped_formation_the_rendered_camera_of_every_robot_shows_its_leader(name, tmp_path):
     shape = load_formation(formations()[name])
-    offsets = tag_offsets(shape)
+    offsets, seen = tag_offsets(shape), ids_seen(shape, tmp_path)
     for robot, watch in shape.stages[0].watches.items():
         expected = {tag.id + offsets[watch.leader] for tag in shape.outlook.body.tags}
-        assert ids_seen(shape, tmp_path, robot) & expected, f"{robot} does not see {watch.leader}"
+        assert seen[robot] & expected, f"{robot} does not see {watch.leader}"
 
 
 def test_in_a_column_the_robot_in_between_hides_the_leader_in_the_picture_too(tmp_path):
     shape = formation("column")
-    assert ids_seen(shape, tmp_path, "robot2") == {10, 11, 12}  # robot1's, and none of the leader's 0, 1, 2
+    assert ids_seen(shape, tmp_path)["robot2"] == {10, 11, 12}  # robot1's, and none of the leader's 0, 1, 2
     assert sees(shape.outlook, pose_at(2.0, 0.0))
     assert not sees(shape.outlook, pose_at(2.0, 0.0), [pose_at(1.0, 0.0)])
 
@@ -42,7 +43,7 @@ def test_beyond_the_edge_of_the_range_the_detector_finds_no_tag_and_within_it_it
     right_rad, left_rad = bearing_range_rad(outlook, 1.0)
     edge_deg = math.degrees(left_rad if side > 0 else right_rad)
     inside = formation("tree", tree=tree(("leader", 1.0, edge_deg - 0.3 * side)))
-    assert ids_seen(inside, tmp_path, "robot1")
+    assert ids_seen(inside, tmp_path)["robot1"]
     # Refused as a formation, so the scenario is turned: the same robot looks past the leader.
     spec = sim.load_scenario(load_expanded(inside, tmp_path).file)
     robots = spec.robots

@@ -7,6 +7,7 @@ import pytest
 from formation_files import formation, tree
 
 from pilotfish.errors import ConfigError
+from pilotfish.formation.watching import Bounds, choose
 
 
 def test_in_a_wedge_each_robot_watches_the_one_before_it_on_its_arm():
@@ -34,6 +35,15 @@ def test_a_nearer_robot_that_is_outside_the_picture_is_passed_over():
     beside_m = 2 * math.sin(math.radians(18.0))
     assert beside_m < 1.0
     assert wedge.leaders["robot2"] == "leader"
+
+
+def test_a_nearer_robot_that_a_later_shape_hides_is_passed_over_for_one_that_is_seen_in_all():
+    """robot1 is at 1.17 m, 20 degrees, and then straight to the left; the leader is 2 m ahead all the time."""
+    outlook, bounds = formation("chain").outlook, Bounds(0.5, 5.0, "")
+    first = {"leader": (0.0, 0.0), "robot1": (-0.9, 0.4), "robot2": (-2.0, 0.0)}
+    beside = {**first, "robot1": (-2.0, 1.0)}
+    assert choose(outlook, bounds, [first], "robot2") == "robot1"
+    assert choose(outlook, bounds, [first, beside], "robot2") == "leader"
 
 
 def test_who_can_be_seen_in_the_first_shape_alone_is_not_watched():
