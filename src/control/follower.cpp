@@ -145,6 +145,8 @@ Follower::Follower(FollowerConfig config)
     if (!other_law_) throw ConfigError("control." + law.name, "cannot be made: its description makes no law");
   }
   if (!other_law_ || !config_.law.rules.consequents.empty()) fuzzy::validate(config_.law);
+  config_.velocity = with_headway(config_.spacing, config_.velocity);
+  config_.anticipate = with_headway(config_.spacing, config_.anticipate);
 }
 
 FollowerOutput Follower::follow(const Observation& observation, const Setpoint& asked) {
@@ -154,12 +156,13 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
   own_.advance_to(observation.utime);
-  const Setpoint setpoint = with_headway(config_.spacing, asked, own_.twist().linear_mps);
   FollowerOutput output;
-  output.setpoint = setpoint;
+  Setpoint setpoint = asked;
   Twist wanted_twist = kNoTwist;
-  if (are_finite(observation, setpoint)) {
+  if (are_finite(observation, asked)) {
     const std::optional<Prediction> prediction = predict(observation, dt_s);
+    setpoint =
+        with_headway(config_.spacing, asked, prediction ? prediction->leader.radial_mps : own_.twist().linear_mps);
     output.drive = drive_in_use();
     wanted_twist = wanted(observation, setpoint, prediction, dt_s, output);
     if (is_finite(wanted_twist))
@@ -167,6 +170,7 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
           wanted_twist.linear_mps,
           guarded_forward_speed(config_.guard, {config_.limits, config_.hold_s, actuator_lag_s_}, gap(observation)));
   }
+  output.setpoint = setpoint;
   last_utime_ = observation.utime;
   if (!is_finite(wanted_twist)) {
     restart(observation.utime);
