@@ -56,11 +56,11 @@ def parse(words: list[str], folder: Path) -> None:
             rest = words
             while hasattr(command, "commands"):
                 name, *rest = rest
+                if hasattr(command, "with_default"):  # `sweep FILE` is `sweep run FILE`
+                    name, *rest = command.with_default([name, *rest])
                 if name.startswith("-"):  # an option of the program itself
                     assert any(name in option.opts for option in command.params), name
                     return
-                if hasattr(command, "with_default"):  # `sweep FILE` is `sweep run FILE`
-                    name, *rest = command.with_default([name, *rest])
                 command = command.commands[name]
             command.make_context(name, list(rest))
             return

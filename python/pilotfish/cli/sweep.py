@@ -104,7 +104,7 @@ def run(
     \b
     Examples
       pilotfish sweep data/sweeps/laws_over_speed.yaml --out out/laws
-      pilotfish sweep my_campaign.yaml --check
+      pilotfish sweep run my_campaign.yaml --check     (`run` may be left out)
       pilotfish sweep my_campaign.yaml --workers 4
 
     \b
