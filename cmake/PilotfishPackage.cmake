@@ -58,6 +58,13 @@ foreach(program ${system_programs} pilotfish-spy)
   install(FILES ${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endforeach()
 
+# --- completion of the programs' options ---------------------------------------------------------------------------------
+foreach(program ${system_programs} pilotfish-spy)
+  install(FILES ${packaging}/completion/pilotfish-programs.bash
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME ${program})
+endforeach()
+install(FILES ${packaging}/completion/_pilotfish-programs DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
+
 # --- documents --------------------------------------------------------------------------------------------------------
 set(CPACK_PACKAGE_CONTACT "Pilotfish developers <pilotfish@example.org>")
 string(TIMESTAMP today "%a, %d %b %Y 00:00:00 +0000" UTC)  # of $SOURCE_DATE_EPOCH, if that is set

@@ -20,6 +20,7 @@ else:
 ROOT = Path(__file__).parents[2]
 INPUTS = [ROOT / "requirements-dev.in", *sorted((ROOT / "bench" / "requirements").glob("*.in"))]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+EXTRAS = PROJECT["project"]["optional-dependencies"]
 PYTHONS, MACHINES = ("3.10", "3.11", "3.12"), ("x86_64", "aarch64")
 
 
@@ -33,7 +34,7 @@ def asked(file: Path) -> list[Requirement]:
     texts = list(PROJECT["project"]["dependencies"])
     if file.name == "requirements-dev.in":
         texts += PROJECT["build-system"]["requires"]
-        texts += [text for extra in PROJECT["project"]["optional-dependencies"].values() for text in extra]
+        texts += [text for name, extra in EXTRAS.items() if name != "rerun" for text in extra]  # as scripts/lock
     return requirements(file) + [Requirement(text) for text in texts]
 
 
