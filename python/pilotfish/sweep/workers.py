@@ -12,6 +12,7 @@ import pickle
 import platform
 import queue
 import signal
+import threading
 import time
 import zlib
 from collections import deque
@@ -87,7 +88,7 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
     distributed = require("distributed", "sweep")
     with ExitStack() as stack:
         if where.scheduler is None:
-            with _interrupts_held_back():
+            with _interrupts_ignored():
                 cluster = distributed.LocalCluster(
                     n_workers=where.workers,
                     threads_per_worker=1,
@@ -95,6 +96,7 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
                     memory_limit=None,
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
+                    preload=["pilotfish.sweep.local_worker"],
                 )
             stack.callback(_close_cluster, cluster)
             client = distributed.Client(cluster, set_as_default=False)
@@ -105,15 +107,18 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
 
 
 @contextmanager
-def _interrupts_held_back() -> Iterator[None]:
-    """A terminal sends Ctrl-C to all processes of a command; this one alone is to act on it, and end the others.
-    Threads and processes inherit the mask of the thread that starts them, so all of the cluster's have it, also workers
-    that are started again later. A signal that comes meanwhile is delivered here afterwards."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _interrupts_ignored() -> Iterator[None]:
+    """A terminal sends Ctrl-C to all processes of a command; this one alone is to act on it, and end the others. What
+    is ignored here is ignored by processes that are started meanwhile, from their first instruction on; local_worker sees
+    to workers that are started again later. Until the workers are up, some seconds, Ctrl-C does nothing."""
+    if threading.current_thread() is not threading.main_thread():  # has no say in signals
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.signal(signal.SIGINT, before)
 
 
 def _close(what: Any) -> None:
