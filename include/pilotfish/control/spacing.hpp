@@ -10,7 +10,7 @@ namespace pilotfish::control {
 /// Spacing that grows with speed, for chains of robots: see docs/decisions/0050.
 struct SpacingConfig {
   PILOTFISH_PARAMETERS(SpacingConfig);
-  PILOTFISH_PARAMETER(double, headway_s, 0.0, 0.0, 10.0,
+  PILOTFISH_PARAMETER(double, headway_s, 0.0, 0.0, 3.0,
                       "time headway h: the distance that is kept is d_p + h v with v the leader's speed away; 0: d_p "
                       "at every speed. From 2 (latency + lag) on a chain of robots does not amplify");
 };

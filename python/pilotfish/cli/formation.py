@@ -210,7 +210,7 @@ def stability(
     Examples
       pilotfish formation stability --out out --json out/stability.json
       pilotfish formation stability --law paper --law anticipate --robots 5
-      pilotfish formation stability --law anticipate --headway-s 0 --headway-s 0.5
+      pilotfish formation stability --law anticipate --headway-s 0 --headway-s 0.3
       pilotfish formation stability --law pid --frequency-hz 0.1 --frequency-hz 0.4
     """
     import json
@@ -223,7 +223,7 @@ def stability(
         limit = f"less than the speed ({speed_mps:g} m/s), so that the leader never stops"
         raise typer.BadParameter(f"--amplitude-mps: {amplitude_mps:g} is not {limit}")
     frequencies_hz = _numbers("--frequency-hz", frequency_hz, FREQUENCIES_HZ, 0.005, 5.0, "Hz")
-    headways_s = _numbers("--headway-s", headway_s, (0.0,), 0.0, 10.0, "s")
+    headways_s = _numbers("--headway-s", headway_s, (0.0,), 0.0, 3.0, "s")
     laws = list(dict.fromkeys(each.value for each in law)) if law else list(LAWS)
     trial = Trial(robots, spacing_m, speed_mps, amplitude_mps, frequencies_hz, seed, str(config) if config else None)
     with friendly_errors():

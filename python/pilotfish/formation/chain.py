@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from pilotfish import coordinator, core, sim
-from pilotfish.errors import ConfigError
 from pilotfish.formation.drawn_world import without_pictures
 from pilotfish.formation.expand import load_expanded
 from pilotfish.formation.file import Formation, read_formation
@@ -104,11 +103,6 @@ def _driver(config: coordinator.CoordinatorConfig, law: str, headway_s: float) -
     Driving(law).apply(config)
     if headway_s:
         control = config.control
-        if not hasattr(control, "spacing"):
-            raise ConfigError(
-                f"control.spacing.headway_s: {headway_s:g} s, but the coordinator of this build has no such key; "
-                "allowed: 0"
-            )
         spacing = control.spacing
         spacing.headway_s = headway_s
         control.spacing = spacing

@@ -128,7 +128,7 @@ def read_formation(content: Mapping[str, Any], file: Path) -> Formation:
         drive=keys.mapping("drive", {}),
         camera=keys.mapping("camera", {}),
         hardware=_path(keys, "hardware", file),
-        headway_s=keys.number("headway_s", 0.0, 0.0, 10.0),
+        headway_s=keys.number("headway_s", 0.0, 0.0, 3.0),
         coordinator_file=coordinator_file,
         outlook=outlook,
     )
