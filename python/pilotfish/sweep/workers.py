@@ -33,7 +33,8 @@ from pilotfish.sweep.play import Job, Played, RunSpec, failed, play_all, seeds
 Stopping = Callable[[], bool]
 _POLL_S = 0.2
 _GONE_S = 30.0
-_CLOSE_S = 10.0
+_CLOSE_S, _FETCH_S = 10.0, 10.0
+_MOST_LOST = 200  # chunks that were lost with their workers; more, and there is something else
 _AHEAD = 3  # chunks for each thread: enough that none waits for us
 
 
@@ -109,8 +110,8 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
 @contextmanager
 def _interrupts_ignored() -> Iterator[None]:
     """A terminal sends Ctrl-C to all processes of a command; this one alone is to act on it, and end the others. What
-    is ignored here is ignored by processes that are started meanwhile, from their first instruction on; local_worker sees
-    to workers that are started again later. Until the workers are up, some seconds, Ctrl-C does nothing."""
+    is ignored here is ignored by processes that are started meanwhile, from their first instruction on; local_worker
+    sees to workers that are started again later. Until the workers are up, some seconds, Ctrl-C does nothing."""
     if threading.current_thread() is not threading.main_thread():  # has no say in signals
         yield
         return
@@ -186,6 +187,7 @@ class _Handout:
         self.waiting = deque(specs[k : k + size] for k in range(0, len(specs), size))
         self.out: dict[str, tuple[Any, Sequence[RunSpec]]] = {}
         self.ready: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.lost = 0
         self.connected_s = self.counted_s = time.monotonic()
 
     def played(self) -> Iterator[Played]:
@@ -198,8 +200,8 @@ class _Handout:
             except queue.Empty:
                 self._check_connection()
                 continue
-            future, specs = self.out.pop(key)
-            yield from self._answer(future, specs)
+            if key in self.out:
+                yield from self._answer(*self.out.pop(key))
 
     def _hand_out(self) -> None:
         now_s = time.monotonic()
@@ -219,12 +221,23 @@ class _Handout:
             raise CampaignError(_GONE)
 
     def _answer(self, future: Any, specs: Sequence[RunSpec]) -> Iterator[Played]:
-        if future.status == "finished":
-            yield future.result()
-        elif future.status == "error":
+        """What is finished may be lost before it is here, with the worker that has it: then it is done once more. Only
+        what is yielded counts, so no run has two rows."""
+        if future.status == "error":
             yield from self._failed(future.exception(), specs)
-        else:  # cancelled or lost, with the scheduler that knew it
+            return
+        answer = None
+        if future.status == "finished":
+            with suppress(Exception):  # of the way here: the run itself has ended well
+                answer = future.result(timeout=_FETCH_S)
+        if answer is not None:
+            yield answer
+            return
+        self._check_connection()
+        self.lost += 1
+        if self.lost > _MOST_LOST:
             raise CampaignError(_GONE)
+        self.waiting.append(specs)
 
     def _failed(self, error: BaseException, specs: Sequence[RunSpec]) -> Iterator[Played]:
         killed = require("distributed.scheduler", "sweep").KilledWorker
