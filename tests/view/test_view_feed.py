@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from robot_on_bus import base, command, gray_image, observation, picture, status, with_lists
 
-from pilotfish import data
+from pilotfish import core, data
 from pilotfish.lcmtypes.bot_core import image_metadata_t
 from pilotfish.view import messages, pictures, robot_feed
 from pilotfish.view.dead_reckoning import PlanarPose
@@ -154,6 +154,14 @@ def test_the_axes_are_where_the_calibration_projects_them():
     # camera's z, y along -x, z along -y, each 0.15 m long.
     ends = [(0.29, 0.2, 1.3), (0.29, 0.2, 1.45), (0.14, 0.2, 1.3), (0.29, 0.05, 1.3)]
     assert axes == [pytest.approx(list(camera.project(point)), abs=0.01) for point in ends]
+
+
+def test_a_frame_that_did_not_arrive_leaves_the_outlines_of_the_one_before():
+    """Its observation repeats the utime of the last frame."""
+    missing = observation(tags=0, detected=False, reason=int(core.Reason.no_frame))
+    feed, _ = feed_with(("OBSERVATION", observation()), ("OBSERVATION", missing))
+    assert feed.overlay(observation().utime)["tags"]
+    assert not state_of(feed)["observation"]["detected"]
 
 
 def test_without_a_calibration_there_are_tags_but_no_axes():

@@ -190,7 +190,9 @@ class RobotFeed(Feed):
             self._rejected_before.popleft()
 
     def _on_observation(self, values: Values, arrival_s: float) -> None:
-        self._overlays[values["utime_us"]] = values
+        before = self._overlays.get(values["utime_us"])
+        if values["detected"] or before is None or not before["detected"]:  # "no frame arrived" repeats the last utime
+            self._overlays[values["utime_us"]] = values
         self._overlays.move_to_end(values["utime_us"])
         while len(self._overlays) > _OVERLAYS:
             self._overlays.popitem(last=False)
