@@ -21,8 +21,8 @@ LAWS = ("anticipate", "paper", *BASELINES)
 @settings(derandomize=True)
 @given(st.floats(0.7, 4.0), st.floats(0.0, 0.05), st.floats(-0.5, 0.5), st.floats(0.0, 0.6))
 def test_from_the_guarded_speed_the_gap_stops_shrinking_at_d_min(distance_m, sigma_m, leaving_mps, own_mps):
-    """With c the speed at which the leader comes, the set value stays at v for the hold and then falls to -c; the wheels'
-    lag adds tau (v_0 + c), and a set value s that has to come down to v first (s - v)^2 / 2a. The gap shrinks by
+    """With c the speed at which the leader comes, the set value stays at v for the hold and then falls to -c; the
+    wheels' lag adds tau (v_0 + c), and a set value s that has to come down to v first (s - v)^2 / 2a. The gap shrinks by
     (v + c) H + (v + c)^2 / 2a + (s - v)^2 / 2a + tau (v_0 + c), which is the room there is."""
     gap = control.Gap(distance_m=distance_m, distance_sigma_m=sigma_m, own_mps=own_mps, leaving_mps=leaving_mps)
     closing_mps = max(-leaving_mps, 0.0)
@@ -85,8 +85,8 @@ def fastest_by_linear_programming(gap, steps_s=0.002, horizon_s=1.5):
 @pytest.mark.parametrize("distance_m", [0.6, 0.8, 1.2])
 @pytest.mark.parametrize(("own_mps", "set_mps"), [(0.0, 0.0), (0.3, 0.0), (0.3, 0.3), (0.4, 0.5)])
 def test_the_guard_allows_what_a_linear_program_finds_and_no_more(distance_m, own_mps, set_mps):
-    # 2 ms steps: the sampled ramp covers half a step less or more, v dt / 2 < 1.5 mm of way; at 1 m/s^2 and with a hold
-    # of 0.1 s that is less than 1.5 mm / (0.1 s + v / a) = 5 mm/s.
+    # 2 ms steps: the sampled ramp covers half a step less or more, v dt / 2 < 1.5 mm of way; at 1 m/s^2 and with a
+    # hold of 0.1 s that is less than 1.5 mm / (0.1 s + v / a) = 5 mm/s.
     gap = control.Gap(distance_m=distance_m, own_mps=own_mps, set_mps=set_mps)
     fastest = fastest_by_linear_programming(gap)
     allowed = control.guarded_speed(GUARD, REACTION, gap)
@@ -108,8 +108,9 @@ def test_the_guard_allows_what_a_linear_program_finds_and_no_more(distance_m, ow
 def test_driven_at_the_bound_the_worst_leader_is_never_nearer_than_d_min(
     distance_m, leader_mps, own_mps, period_s, braking_mps2, brakes_at_s
 ):
-    """The robot takes all that the guard allows at each picture; the leader brakes at any time, at once or as hard as is
-    said. Errors of the measurement of just safety_sigmas sigma, always to the bad side. Own integration in 1 ms steps."""
+    """The robot takes all that the guard allows at each picture; the leader brakes at any time, at once or as hard as
+    is said. Errors of the measurement of just safety_sigmas sigma, always to the bad side. Own integration in 1 ms
+    steps."""
     guard = control.GuardConfig(leader_deceleration_mps2=braking_mps2)
     dt, sigma_m = 0.001, 0.002
     gap_m, command, set_value, wheels = distance_m, own_mps, own_mps, own_mps

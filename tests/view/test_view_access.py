@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 import websockets.sync.client as websocket
-from robot_on_bus import RobotOnBus
 from view_server import serving
 from websockets.exceptions import InvalidStatus
 
 from pilotfish.view.access import Access, is_loopback
+from robot_on_bus import RobotOnBus
 
 TOKEN = "a" * 32
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import random
 
-from robot_on_bus import RobotOnBus
-
 from bus.datagrams import TWO_DATAGRAMS, Sender, fragment, in_fragments, short
 from pilotfish.view.datagrams import MAX_MESSAGE_BYTES, MAX_UNFINISHED, Reassembly
+from robot_on_bus import RobotOnBus
 
 
 def everything(_channel):

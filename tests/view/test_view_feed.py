@@ -8,7 +8,6 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from robot_on_bus import base, command, gray_image, observation, picture, status, with_lists
 
 from pilotfish import core, data
 from pilotfish.lcmtypes.bot_core import image_metadata_t
@@ -17,6 +16,7 @@ from pilotfish.view.dead_reckoning import PlanarPose
 from pilotfish.view.robot_feed import RobotFeed
 from pilotfish.view.samples import COLUMNS, Samples
 from pilotfish.view.setup import default_setup, load_setup
+from robot_on_bus import base, command, gray_image, observation, picture, status, with_lists
 
 SETUP = load_setup(data.path("config/line.yaml"))
 

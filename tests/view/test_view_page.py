@@ -7,6 +7,9 @@ import re
 from urllib.parse import urlsplit
 
 import pytest
+from view_server import serving
+
+from pilotfish.lcmtypes.pilotfish import command_t
 from robot_on_bus import (
     RobotOnBus,
     base,
@@ -17,9 +20,6 @@ from robot_on_bus import (
     status,
     with_lists,
 )
-from view_server import serving
-
-from pilotfish.lcmtypes.pilotfish import command_t
 
 DASH = "\u2013"
 

@@ -6,11 +6,10 @@ import asyncio
 import json
 from concurrent.futures import ThreadPoolExecutor
 
-from robot_on_bus import command, gray_image, picture
-
 from pilotfish.view.robot_feed import RobotFeed
 from pilotfish.view.setup import default_setup
 from pilotfish.view.watcher import IN_FLIGHT, Watcher
+from robot_on_bus import command, gray_image, picture
 
 SETUP = default_setup()
 
