@@ -22,8 +22,8 @@ LAWS = ("anticipate", "paper", *BASELINES)
 @given(st.floats(0.7, 4.0), st.floats(0.0, 0.05), st.floats(-0.5, 0.5), st.floats(0.0, 0.6))
 def test_from_the_guarded_speed_the_gap_stops_shrinking_at_d_min(distance_m, sigma_m, leaving_mps, own_mps):
     """With c the speed at which the leader comes, the set value stays at v for the hold and then falls to -c; the
-    wheels' lag adds tau (v_0 + c), and a set value s that has to come down to v first (s - v)^2 / 2a. The gap shrinks by
-    (v + c) H + (v + c)^2 / 2a + (s - v)^2 / 2a + tau (v_0 + c), which is the room there is."""
+    wheels' lag adds tau (v_0 + c), and a set value s that has to come down to v first (s - v)^2 / 2a. The gap shrinks
+    by (v + c) H + (v + c)^2 / 2a + (s - v)^2 / 2a + tau (v_0 + c), which is the room there is."""
     gap = control.Gap(distance_m=distance_m, distance_sigma_m=sigma_m, own_mps=own_mps, leaving_mps=leaving_mps)
     closing_mps = max(-leaving_mps, 0.0)
     shrinks_mps = control.guarded_speed(GUARD, REACTION, gap) + closing_mps
