@@ -5,6 +5,8 @@
 #include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
+#include "pilotfish/control/free_way.hpp"
+#include "pilotfish/control/range_guard.hpp"
 #include "python_law.hpp"
 
 namespace py = pybind11;
@@ -268,6 +270,40 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<SpacingConfig>(m, "SpacingConfig", "Spacing that grows with speed, for chains of robots.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
+  bind_parameters<AvoidanceConfig>(m, "AvoidanceConfig", "Obstacles, as sonars or a laser measure them.");
+  bind_parameters<SearchConfig>(m, "SearchConfig", "A leader that is lost is searched by turning in place.");
+  py::class_<AvoidanceOutput>(m, "AvoidanceOutput", "What was made of the ranges in one step.")
+      .def_readonly("bearing_shift_rad", &AvoidanceOutput::bearing_shift_rad,
+                    "of the bearing that is kept [rad]; positive: the robot drives farther to the left")
+      .def_readonly("free_way_m", &AvoidanceOutput::free_way_m, "in the direction in which the law alone would drive [m]")
+      .def_readonly("free_direction_rad", &AvoidanceOutput::free_direction_rad,
+                    "that was chosen, in the base frame [rad]")
+      .def_readonly("nearest_m", &AvoidanceOutput::nearest_m, "from the robot's circle to the nearest surface [m]")
+      .def_readonly("allowed_mps", &AvoidanceOutput::allowed_mps,
+                    "forward speed with which it can stop before what the ranges show in its path [m/s]")
+      .def_readonly("limited", &AvoidanceOutput::limited, "that was below what the law wanted");
+  m.def("avoidance_rules", &avoidance_rules, "fuzzy.Controller: the 56 rules by which obstacles are passed.");
+  m.def(
+      "free_way_m",
+      [](double x_m, double y_m, double curvature, double radius_m) {
+        return free_way_m(SurfacePoint{x_m, y_m}, curvature, radius_m);
+      },
+      py::arg("x_m"), py::arg("y_m"), py::kw_only(), py::arg("curvature"), py::arg("radius_m"),
+      "How far a disc of radius_m around the base origin can move ahead along a circle of that curvature [1/m] until it "
+      "touches the point [m]; inf: never.");
+  m.def(
+      "guarded_by_ranges",
+      [](const AvoidanceConfig& config, const LimitsConfig& limits, double hold_s, double actuator_lag_s,
+         const RangeScan& scan, const Twist& wanted, const Twist& own) {
+        RangeField field;
+        field.add(scan, own, scan.utime);
+        return guarded_by_ranges(config, {limits, hold_s, actuator_lag_s},
+                                 field.view(reading_model(config), scan.utime), wanted, own, 0.0);
+      },
+      py::arg("config"), py::arg("limits"), py::kw_only(), py::arg("hold_s"), py::arg("actuator_lag_s"),
+      py::arg("scan"), py::arg("wanted"), py::arg("own"),
+      "Fastest forward speed [m/s], not above wanted's, with which the robot can stop before what the scan shows in its "
+      "path.");
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
@@ -347,6 +383,7 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("ego_motion", &FollowerOutput::ego_motion, "EgoMotionSource: where the own motion was taken from")
       .def_readonly("drive", &FollowerOutput::drive,
                     "DriveEstimate: the drive's delays as this command assumes them; None unless it anticipates")
+      .def_readonly("avoidance", &FollowerOutput::avoidance, "AvoidanceOutput, or None where it is not enabled")
       .def_readonly("leader_intent", &FollowerOutput::leader_intent, "LeaderIntentUse: how the leader intent was used");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
@@ -368,6 +405,8 @@ PYBIND11_MODULE(control, m) {
       .def("set_leader_intent", exclusive(&Follower::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
            "used. Profile `anticipate` alone listens.")
+      .def("set_ranges", exclusive(&Follower::set_ranges), py::arg("scan"),
+           "What sonars or a laser measured. False, and nothing changes, if it cannot be used.")
       .def("pause", exclusive(&Follower::pause), py::arg("held_us"),
            "The last command was held for held_us [us] and has been zero since, because no measurement came. The "
            "leader's "
@@ -392,11 +431,11 @@ PYBIND11_MODULE(control, m) {
   make_value(m, "LawParameter", {"key", "value", "min", "max", "text"});
   make_value(m, "LawDescription", {"name", "text", "parameters", "make"});
   make_value(m, "FollowerConfig", {"law", "laws", "active_law"});
-  make_results<Anticipation, VelocityCommand, FollowerOutput>();
-  add_reprs(m, {"LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
+  make_results<AvoidanceOutput, Anticipation, VelocityCommand, FollowerOutput>();
+  add_reprs(m, {"AvoidanceOutput", "LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
                 "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});
   add_repr(m, "FollowerConfig",
            {"profile", "active_law", "velocity", "heading", "limits", "guard", "anticipate", "leader_motion", "drive",
-            "leader_intent", "view"});
+            "leader_intent", "avoidance", "search", "view"});
 }

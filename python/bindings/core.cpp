@@ -9,6 +9,7 @@
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/range_scan.hpp"
 #include "pilotfish/core/read_file.hpp"
 #include "pilotfish/core/session_guard.hpp"
 #include "pilotfish/core/setpoint.hpp"
@@ -351,6 +352,27 @@ PYBIND11_MODULE(core, m) {
           "tags", [](const Observation& o) { return std::vector<TagDetection>(o.tags.begin(), o.tags.end()); },
           "list of TagDetection: the tags used, 12 at most");
 
+  py::class_<RangeScan>(m, "RangeScan", "One scan of a laser, or one round of a ring of sonars.")
+      .def(py::init([](std::int64_t utime, double first_rad, double step_rad, const std::vector<float>& ranges_m) {
+             if (ranges_m.size() > kMaxRanges)
+               throw py::value_error("a scan has at most " + std::to_string(kMaxRanges) + " readings, got " +
+                                     std::to_string(ranges_m.size()));
+             RangeScan scan{utime, first_rad, step_rad, {}};
+             for (float range_m : ranges_m) scan.ranges_m.push_back(range_m);
+             return scan;
+           }),
+           py::kw_only(), py::arg("utime"), py::arg("first_rad"), py::arg("step_rad"), py::arg("ranges_m"),
+           "utime [us]; directions of the first reading and to the next [rad] in the base frame, positive: to the left; "
+           "ranges_m: [m] from the base origin, below 0: no reading. ValueError on more than 1440.")
+      .def_readonly("utime", &RangeScan::utime, "of the scan [us]")
+      .def_readonly("first_rad", &RangeScan::first_rad, "direction of the first reading [rad]")
+      .def_readonly("step_rad", &RangeScan::step_rad, "from one reading to the next [rad]")
+      .def_property_readonly(
+          "ranges_m",
+          [](const RangeScan& scan) { return std::vector<float>(scan.ranges_m.begin(), scan.ranges_m.end()); },
+          "list of float [m], a copy; below 0: no reading")
+      .def_property_readonly("usable", &is_usable, "False: a coordinator would refuse it");
+
   m.def(
       "read_file",
       [](const std::filesystem::path& file, std::size_t max_bytes) {
@@ -379,11 +401,13 @@ PYBIND11_MODULE(core, m) {
       m, "Observation",
       {"utime", "distance_m", "bearing_rad", "heading_rad", "covariance", "tags", "measured", "heading_ambiguity",
        "cMo", "other_cMo", "ambiguity_ratio", "reprojection_error_px", "min_decision_margin", "found_by"});
+  make_value(m, "RangeScan", {"utime", "first_rad", "step_rad", "ranges_m"});
   add_copies(m.attr("Twist"));
   add_copies(m.attr("Frame"), {"image", "utime"});
   make_results<SetpointDecision>();
   add_reprs(
       m, {"Twist", "SetpointDecision", "CameraModel", "LeaderBody", "TagDetection", "SequenceGuard", "SetpointGate"});
+  add_repr(m, "RangeScan", {"utime", "first_rad", "step_rad", "ranges_m"});
   add_repr(m, "Frame", {"utime", "width", "height"});
   add_repr(m, "RelativeMeasurement", {"distance_m", "bearing_rad", "heading_rad"});
   add_repr(m, "Observation",

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "pilotfish/control/range_guard.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/sections.hpp"
 #include "pilotfish/core/utime.hpp"
@@ -54,6 +55,13 @@ void check_leader_deceleration(const FollowerConfig& config) {
   problem << leader << " is below control.limits.max_linear_acceleration_mps2, " << own
           << "; give at least that, or 0 for a leader that may stop dead";
   throw ConfigError("control.guard.leader_deceleration_mps2", problem.str());
+}
+
+/// Without them it would not be known that there is room to turn.
+void check_search(const FollowerConfig& config) {
+  if (!config.search.search_by_rotating || config.avoidance.enabled) return;
+  throw ConfigError("control.search.search_by_rotating",
+                    "needs ranges all around: set control.avoidance.enabled, too");
 }
 
 bool are_finite(const Observation& observation, const Setpoint& setpoint) noexcept {
@@ -118,7 +126,7 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), section) != names.end();
   };
-  if (is_one_of({"limits", "guard", "spacing", "leader_motion", "drive"})) return true;
+  if (is_one_of({"limits", "guard", "spacing", "leader_motion", "drive", "avoidance", "search"})) return true;
   if (config.active_law != kFuzzyLaw) return section == config.active_law;
   return is_one_of({"velocity", "heading"}) ||
          (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_intent"}));
@@ -131,8 +139,11 @@ Follower::Follower(FollowerConfig config)
       intent_(config_.leader_intent),
       identifier_(config_.drive, config_.limits),
       latency_s_(config_.drive.latency_s),
-      actuator_lag_s_(config_.drive.actuator_lag_s) {
+      actuator_lag_s_(config_.drive.actuator_lag_s),
+      avoidance_(config_.avoidance),
+      search_(config_.search) {
   check_tree(config_, "control");
+  check_search(config_);
   check_leader_deceleration(config_);
   check_law_names(config_);
   for (LawDescription& law : config_.laws)
@@ -153,12 +164,23 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   // standstill.
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
-  own_.advance_to(observation.utime);
-  const Setpoint setpoint = with_headway(config_.spacing, asked, own_.twist().linear_mps);
+  advance_own_to(observation.utime);
+  Setpoint setpoint = with_headway(config_.spacing, asked, own_.twist().linear_mps);
   FollowerOutput output;
-  output.setpoint = setpoint;
   Twist wanted_twist = kNoTwist;
-  if (are_finite(observation, setpoint)) {
+  const bool finite = are_finite(observation, setpoint);
+  if (finite && config_.avoidance.enabled) {
+    if (!ranges_.fresh_at(observation.utime, config_.avoidance.max_age_s)) {
+      restart(observation.utime);
+      output.reason = Reason::ranges_not_fresh;
+      return output;
+    }
+    search_.seen(observation.utime, ranges_.heading_rad() + observation.bearing_rad);
+    setpoint = avoidance_.steer(ranges_.view(reading_model(config_.avoidance), observation.utime), observation, setpoint,
+                                config_.view, ranges_.heading_rad(), dt_s, output.avoidance.emplace());
+  }
+  output.setpoint = setpoint;
+  if (finite) {
     const std::optional<Prediction> prediction = predict(observation, dt_s);
     output.drive = drive_in_use();
     wanted_twist = wanted(observation, setpoint, prediction, dt_s, output);
@@ -175,6 +197,7 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   }
   output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_,
                          since_last_command_s(dt_s));
+  if (output.avoidance) output.command = within_ranges(output.command, observation.utime, *output.avoidance);
 
   own_.command(output.command, acts_utime(observation.utime));
   identifier_.command(output.command, observation.utime);
@@ -271,6 +294,54 @@ Gap Follower::gap(const Observation& observation) const noexcept {
   return gap;
 }
 
+bool Follower::set_ranges(const RangeScan& scan) noexcept {
+  if (!config_.avoidance.enabled || !is_usable(scan)) return false;
+  if (ranges_.utime() && scan.utime <= *ranges_.utime()) return false;
+  ranges_.add(scan, own_.twist(), own_.utime());
+  return true;
+}
+
+void Follower::advance_own_to(std::int64_t utime) noexcept {
+  const Pose2 before = own_.pose();
+  own_.advance_to(utime);
+  if (config_.avoidance.enabled) ranges_.moved(before, own_.pose());
+}
+
+/// Where the robot is and how fast when the command acts, as the collision guard has it.
+Twist Follower::within_ranges(const Twist& command, std::int64_t utime, AvoidanceOutput& output) const noexcept {
+  const AvoidanceConfig& config = config_.avoidance;
+  const std::int64_t acts = acts_utime(utime);
+  EgoMotion then = own_;
+  then.advance_to(acts);
+  const ObstacleView view =
+      ranges_.view(reading_model(config), utime, motion_between(own_.pose(), then.pose()));
+  output.nearest_m = config.max_range_m;
+  for (const SurfacePoint& point : view.points)
+    output.nearest_m = std::min(output.nearest_m, std::hypot(point.x_m, point.y_m) - config.robot_radius_m);
+  Twist allowed = command;
+  allowed.linear_mps = guarded_by_ranges(config, {config_.limits, config_.hold_s, actuator_lag_s_}, view, command,
+                                         then.twist(), std::max(seconds_between(*ranges_.utime(), acts), 0.0));
+  output.allowed_mps = allowed.linear_mps;
+  output.limited = allowed.linear_mps != command.linear_mps;
+  return allowed;
+}
+
+SearchOutput Follower::search(std::int64_t utime) noexcept {
+  if (!config_.search.search_by_rotating) return {};
+  advance_own_to(utime);
+  const AvoidanceConfig& config = config_.avoidance;
+  if (!ranges_.fresh_at(utime, config.max_age_s)) return {false, Reason::ranges_not_fresh, 0.0};
+  const ObstacleView view = ranges_.view(reading_model(config), utime);
+  if (!view.covered.all()) return {false, Reason::ranges_not_fresh, 0.0};
+  for (const SurfacePoint& point : view.points)
+    if (std::hypot(point.x_m, point.y_m) <= config.robot_radius_m) return {false, Reason::obstacle_in_path, 0.0};
+  const double turn_radps = search_.turn_rate(utime, ranges_.heading_rad());
+  own_.command({0.0, turn_radps}, acts_utime(utime));
+  searched_utime_ = utime;
+  if (turn_radps == 0.0) return {};
+  return {true, Reason::turning_to_search, turn_radps};
+}
+
 std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, latency_s_); }
 
 DriveEstimate Follower::drive_in_use() const noexcept {
@@ -295,6 +366,8 @@ void Follower::identify_drive(const Observation& observation, double dt_s) noexc
 }
 
 void Follower::pause(std::int64_t held_us) noexcept {
+  if (searched_utime_) own_.command(Twist{}, later(acts_utime(*searched_utime_), held_us));
+  searched_utime_.reset();
   if (paused_ || !last_utime_) return;
   own_.command(Twist{}, later(acts_utime(*last_utime_), held_us));
   identifier_.command(Twist{}, later(*last_utime_, held_us));
@@ -326,6 +399,8 @@ void Follower::restart_on_new_clock() noexcept {
   DriveModelConfig drive = config_.drive;
   drive.actuator_lag_s = actuator_lag_s_;
   own_ = EgoMotion(drive, config_.limits);
+  ranges_.clear();
+  search_.restart();
   identifier_.restart_on_new_clock();
   forget_leader();
 }
@@ -335,6 +410,8 @@ void Follower::forget_leader() noexcept {
   leader_.reset();
   intent_.reset();
   if (other_law_) other_law_->restart();
+  avoidance_.restart();
+  searched_utime_.reset();
   last_utime_.reset();
   last_error_m_.reset();
   last_command_ = Twist{};

@@ -33,7 +33,7 @@ class ObservationNoise:
 @dataclass
 class DrawnObservations:
     """What a coordinator measures of the leader, drawn around the truth. Nothing outside the camera's view or
-    while the leader is hidden."""
+    while the leader is hidden; with ``occlusion`` also by obstacles and other robots."""
 
     seed: int
     noise: ObservationNoise = field(default_factory=ObservationNoise)
@@ -41,6 +41,7 @@ class DrawnObservations:
     half_view_rad: float = np.radians(26.0)  # the camera's, less half a tag
     vibration_rad: float = 0.0  # standard deviation of the camera's pitch and of its roll; no covariance claims it
     vibration_hz: float | None = None  # of a sine; None: white, new in every frame
+    occlusion: bool = False  # obstacles and other robots hide the leader
 
     def __post_init__(self) -> None:
         self._random = np.random.default_rng(self.seed)
@@ -54,6 +55,8 @@ class DrawnObservations:
         leader = world.scenario.robot(world.scenario.robot(robot).follows)
         hidden = leader.visibility.hidden_from_s <= world.time_s < leader.visibility.hidden_until_s
         if hidden or abs(bearing_rad) > self.half_view_rad:
+            return None
+        if self.occlusion and not world.leader_in_sight(robot):
             return None
         return core.Observation(
             utime=world.utime,

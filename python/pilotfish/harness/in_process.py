@@ -57,12 +57,13 @@ def run_in_process(
 
     ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
     seed, other imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
-    nothing is rendered: measurements are drawn. ``feed`` is called before each step, with the robot's name: it
+    nothing is rendered: measurements are drawn. A robot's range sensors are fed to its coordinator. ``feed`` is called before each step, with the robot's name: it
     supplies the coordinator's other inputs, such as odometry.
     """
     world = sim.World(spec if spec is not None else sim.load_scenario(scenario.file))
     driving = Driving(profile, tuning)
     drivers = {robot.name: _coordinator(robot, driving, configure) for robot in scenario.robots}
+    ranging = {robot.name for robot in world.scenario.robots if robot.range_sensors is not None}
     answers: dict[str, coordinator.StepResult | None] = dict.fromkeys(drivers)
     rows: dict[str, list[dict[str, Any]]] = {name: [] for name in drivers}
     reports: dict[str, list[FrameReport]] = {name: [] for name in drivers}
@@ -73,6 +74,10 @@ def run_in_process(
         for robot in scenario.robots:
             frame = None if drawn else world.capture(robot.name)
             delivered = drawn is not None or frame is not None
+            if robot.name in ranging:
+                scan = world.ranges(robot.name)
+                if scan is not None:
+                    drivers[robot.name].set_ranges(scan, world.utime)
             if feed:
                 feed(world, robot.name, drivers[robot.name])
             if delivered:  # else there is no answer, and the wheels keep the last command
