@@ -34,14 +34,12 @@ double distance_to_line_m(const SurfacePoint& point, const SurfacePoint& from, c
   return distance_m(point, {from.x_m + t * x, from.y_m + t * y});
 }
 
-/// What is to be passed: not the leader, and near enough to matter.
-ObstacleView obstacles(const ObstacleView& view, const AvoidanceConfig& config, const SurfacePoint& leader,
-                       double reach_m) noexcept {
-  ObstacleView others;
+/// What is near enough to matter.
+ObstacleView within(const ObstacleView& view, double reach_m) noexcept {
+  ObstacleView near;
   for (const SurfacePoint& point : view.points)
-    if (distance_m(point, leader) > config.leader_radius_m && std::hypot(point.x_m, point.y_m) < reach_m)
-      others.points.push_back(point);
-  return others;
+    if (std::hypot(point.x_m, point.y_m) < reach_m) near.points.push_back(point);
+  return near;
 }
 
 /// 0: nothing comes near the line of sight; 1: it is crossed. After the robot has gone kPreview_m in that direction and
@@ -118,6 +116,11 @@ Avoidance::Avoidance(const AvoidanceConfig& config) : config_(config) {
   if (config.enabled) rules_ = avoidance_rules();
 }
 
+Disc Avoidance::leader(const Observation& observation) const noexcept {
+  const SurfacePoint centre = at(observation.distance_m, observation.bearing_rad);
+  return {centre.x_m, centre.y_m, config_.leader_radius_m};
+}
+
 /// Alone, the law turns the robot until the leader is at the wanted bearing: by theta - theta_pd, the wanted direction.
 /// A fan of directions, all those in which the leader stays in the picture (turning by phi moves it by -phi), is
 /// compared: what it costs to go there is a blocked way, a turn away from the wanted direction, a change of the side
@@ -128,7 +131,7 @@ Setpoint Avoidance::steer(const ObstacleView& view, const Observation& observati
                           AvoidanceOutput& output) noexcept {
   const double theta = observation.bearing_rad, look_m = config_.look_ahead_m, most_rad = config_.max_shift_rad;
   const double radius_m = config_.robot_radius_m + config_.margin_m + config_.passing_m;
-  const ObstacleView around = obstacles(view, config_, at(observation.distance_m, theta), look_m + radius_m);
+  const ObstacleView around = within(view, look_m + radius_m);
   const double right_rad = field_of_view.right_rad + kEdge_rad, left_rad = field_of_view.left_rad - kEdge_rad;
   const double least = std::max(theta - left_rad, -kSidewards_rad), greatest = std::min(theta - right_rad, kSidewards_rad);
   const double wanted_rad = wrap_angle(theta - setpoint.bearing_rad);
@@ -149,7 +152,10 @@ Setpoint Avoidance::steer(const ObstacleView& view, const Observation& observati
   double best_rad = wanted_rad, target_rad = 0.0;
   if (blocked > 0.0) {
     double best = cost(wanted_rad);
-    for (double direction_rad = least; direction_rad <= greatest; direction_rad += kFan_rad) {
+    const int steps = static_cast<int>(std::ceil(2.0 * kSidewards_rad / kFan_rad));
+    for (int i = 2; i < 2 * steps; ++i) {  // to both sides of the wanted one
+      const double direction_rad = wanted_rad + (i % 2 == 0 ? 1.0 : -1.0) * static_cast<double>(i / 2) * kFan_rad;
+      if (direction_rad < least || direction_rad > greatest) continue;
       const double here = cost(direction_rad);
       if (here >= best) continue;
       best = here;

@@ -176,8 +176,10 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
       return output;
     }
     search_.seen(observation.utime, ranges_.heading_rad() + observation.bearing_rad);
-    setpoint = avoidance_.steer(ranges_.view(reading_model(config_.avoidance), observation.utime), observation, setpoint,
-                                config_.view, ranges_.heading_rad(), dt_s, output.avoidance.emplace());
+    const Disc leader = avoidance_.leader(observation);
+    const ObstacleView obstacles = ranges_.view(reading_model(config_.avoidance), observation.utime, {}, &leader);
+    setpoint = avoidance_.steer(obstacles, observation, setpoint, config_.view, ranges_.heading_rad(), dt_s,
+                                output.avoidance.emplace());
   }
   output.setpoint = setpoint;
   if (finite) {

@@ -23,6 +23,14 @@ Pose2 composed(const Pose2& pose, const Pose2& motion) noexcept {
           pose.heading_rad + motion.heading_rad};
 }
 
+/// Seen from `origin`, a disc at distance rho fills asin(r / rho) to both sides of its direction.
+bool explains(const Disc& disc, const Pose2& origin, double direction_rad, double half_rad, double range_m) noexcept {
+  const double x = disc.x_m - origin.x_m, y = disc.y_m - origin.y_m, rho = std::hypot(x, y);
+  if (rho <= disc.radius_m) return true;
+  const double off_rad = std::abs(wrap_angle(std::atan2(y, x) - direction_rad));
+  return off_rad <= half_rad + std::asin(disc.radius_m / rho) && range_m >= rho - disc.radius_m;
+}
+
 }  // namespace
 
 Pose2 motion_between(const Pose2& before, const Pose2& after) noexcept {
@@ -66,7 +74,8 @@ bool RangeField::fresh_at(std::int64_t utime, double max_age_s) const noexcept {
 
 /// A cone's reading says that the nearest surface in it is so far away, and not where across it: the worst for whoever
 /// may pass there is everywhere, so the whole arc is a surface. Of each sector the nearest point counts.
-ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from) const noexcept {
+ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from,
+                              const Disc* explained) const noexcept {
   std::array<double, kSectors> nearest_m;
   nearest_m.fill(std::numeric_limits<double>::infinity());
   std::array<SurfacePoint, kSectors> nearest{};
@@ -77,10 +86,12 @@ ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime
   for (const Reading& reading : readings_) {
     if (reading.range_m < 0.0 || seconds_between(reading.utime, utime) > model.max_age_s) continue;
     const Pose2 origin = motion_between(there, reading.taken_at);
+    const bool is_known = explained != nullptr && explains(*explained, origin, origin.heading_rad + reading.direction_rad,
+                                                           half_rad, reading.range_m);
     for (int i = -steps; i <= steps; ++i) {
       const double direction_rad = origin.heading_rad + reading.direction_rad + half_rad * i / steps;
       view.covered.set(sector_of(direction_rad));
-      if (reading.range_m >= model.max_range_m) continue;
+      if (is_known || reading.range_m >= model.max_range_m) continue;
       const SurfacePoint point{origin.x_m + reading.range_m * std::cos(direction_rad),
                                origin.y_m + reading.range_m * std::sin(direction_rad)};
       const double distance_m = std::hypot(point.x_m, point.y_m);

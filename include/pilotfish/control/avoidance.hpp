@@ -39,8 +39,8 @@ struct AvoidanceConfig {
   PILOTFISH_PARAMETER(double, sight_m, 0.2, 0.0, 2.0,
                       "obstacles are kept so far from the line of sight to the leader, where that is possible");
   PILOTFISH_PARAMETER(double, leader_radius_m, 0.35, 0.0, 5.0,
-                      "what the ranges show so near to where the leader is seen is the leader: not passed, but never run "
-                      "into");
+                      "of the circle around the leader's base origin that contains it: what the ranges show of it is not "
+                      "passed, but never run into");
   PILOTFISH_PARAMETER(double, obstacle_speed_mps, 0.0, 0.0, 5.0,
                       "with which an obstacle may come nearer; 0: obstacles stand");
 };
@@ -69,7 +69,9 @@ class Avoidance {
  public:
   explicit Avoidance(const AvoidanceConfig& config);
 
-  /// The setpoint with the bearing to keep now. `heading_rad`: of the robot, in any frame that stays; dt_s since the
+  /// Where the leader was measured and how large it may be: what the ranges show of it is not to be passed.
+  Disc leader(const Observation& observation) const noexcept;
+  /// The setpoint with the bearing to keep now. `view`: without the leader. `heading_rad`: of the robot, in any frame that stays; dt_s since the
   /// step before.
   Setpoint steer(const ObstacleView& view, const Observation& observation, const Setpoint& setpoint,
                  const FieldOfView& field_of_view, double heading_rad, double dt_s, AvoidanceOutput& output) noexcept;

@@ -27,6 +27,11 @@ struct SurfacePoint {
   double y_m = 0.0;  ///< to the left
 };
 
+/// A disc on the ground, in the robot's base frame.
+struct Disc {
+  double x_m = 0.0, y_m = 0.0, radius_m = 0.0;  ///< centre and radius [m]
+};
+
 /// What fresh ranges show around the robot.
 struct ObstacleView {
   BoundedVector<SurfacePoint, kSectors> points;  ///< the nearest of each sector in which there is any
@@ -59,8 +64,10 @@ class RangeField {
   double heading_rad() const { return here_.heading_rad; }      ///< of the robot, in a frame of this field's own
 
   /// What is around a robot that is at `from`, in the base frame of the robot now: readings not older than
-  /// model.max_age_s at utime [us].
-  ObstacleView view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from = {}) const noexcept;
+  /// model.max_age_s at utime [us]. Readings that `explained` accounts for, because it stands in their cone and no nearer
+  /// surface does, leave no points.
+  ObstacleView view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from = {},
+                    const Disc* explained = nullptr) const noexcept;
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp

@@ -18,6 +18,7 @@ NEAR_M = 0.4  # from an obstacle's surface to the robot's outline: among obstacl
 SETTLE_S = 5.0  # after the last obstacle the formation is to be kept again within this
 DISTANCE_TOLERANCE_M, BEARING_TOLERANCE_RAD = 0.05, math.radians(5.0)
 ARENA_M2 = 5.0 * 3.0  # of data/scenarios/obstacles.yaml
+CLEAR_M = 0.35  # beside the path of the leader, whose outline is 0.25 m from its middle
 
 
 class Ending(Enum):
@@ -59,7 +60,7 @@ class Track:
     obstacles: np.ndarray  # (M, 4): x, y, radius, height [m]
 
 
-def world_spec(seed: int, count: int) -> sim.Scenario:
+def world_spec(seed: int, count: int, clear_m: float = CLEAR_M) -> sim.Scenario:
     """The world of that seed: the field of data/scenarios/obstacles.yaml with ``count`` obstacles; the setpoint
     (1.0 to 1.4 m, -20 to 20 degrees) and the leader's path (straight, or a circle of 4 m or more to either side) are
     drawn, too."""
@@ -67,7 +68,7 @@ def world_spec(seed: int, count: int) -> sim.Scenario:
     spec = sim.load_scenario(data.path("scenarios/obstacles.yaml"))
     spec.seed = seed
     spec.obstacle_field = field = spec.obstacle_field
-    field.count = count
+    field.count, field.clear_m = count, clear_m
     spec.obstacle_field = field
     leader, robot = spec.robots
     profile = leader.trajectory.profile
@@ -162,7 +163,15 @@ def judge(seed: int, track: Track) -> Outcome:
     return Outcome(seed, ending, clearance_m, settled_s, avoided, float(seen.mean()))
 
 
-def outcome(seed: int, count: int, *, avoid: bool = True, search: bool = True, profile: str = "anticipate") -> Outcome:
+def outcome(
+    seed: int,
+    count: int,
+    *,
+    clear_m: float = CLEAR_M,
+    avoid: bool = True,
+    search: bool = True,
+    profile: str = "anticipate",
+) -> Outcome:
     """The world of that seed, played and judged. avoid: False leaves the law alone among the same obstacles."""
 
     def configure(config: coordinator.CoordinatorConfig) -> None:
@@ -172,4 +181,4 @@ def outcome(seed: int, count: int, *, avoid: bool = True, search: bool = True, p
         law.avoidance, law.search = avoidance, looking
         config.control = law
 
-    return judge(seed, play(world_spec(seed, count), configure, profile))
+    return judge(seed, play(world_spec(seed, count, clear_m), configure, profile))
