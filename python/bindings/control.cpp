@@ -1,12 +1,12 @@
 #include <memory>
 
 #include "arrays.hpp"
+#include "avoidance.hpp"
+#include "collision_guard.hpp"
 #include "drive_identifier.hpp"
 #include "exclusive.hpp"
 #include "parameters.hpp"
 #include "pilotfish/control/follower.hpp"
-#include "pilotfish/control/free_way.hpp"
-#include "pilotfish/control/range_guard.hpp"
 #include "python_law.hpp"
 
 namespace py = pybind11;
@@ -159,23 +159,7 @@ void bind_anticipation(py::module_& m) {
                      "bearing of the right edge [rad], negative in a forward-looking camera")
       .def_readwrite("left_rad", &FieldOfView::left_rad,
                      "bearing of the left edge [rad], positive in a forward-looking camera");
-  py::class_<Reaction>(m, "Reaction", "The drive: its limits, its lag, and how long a command acts.")
-      .def(py::init([](const LimitsConfig& limits, double hold_s, double actuator_lag_s) {
-             return Reaction{limits, hold_s, actuator_lag_s};
-           }),
-           py::kw_only(), py::arg("limits") = LimitsConfig{}, py::arg("hold_s") = 0.0, py::arg("actuator_lag_s") = 0.0,
-           "limits: of the drive; hold_s: how long a command acts before the next one can [s]; actuator_lag_s: with "
-           "which the wheels follow [s].");
-  py::class_<Gap>(m, "Gap", "The gap to the leader when the command acts, if the leader brakes from the exposure on.")
-      .def(py::init(
-               [](double distance_m, double bearing_rad, double distance_sigma_m, double own_mps, double leaving_mps) {
-                 return Gap{distance_m, bearing_rad, distance_sigma_m, own_mps, leaving_mps};
-               }),
-           py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad") = 0.0, py::arg("distance_sigma_m") = 0.0,
-           py::arg("own_mps") = 0.0, py::arg("leaving_mps") = 0.0,
-           "distance_m [m] to where the leader was at the exposure, at bearing_rad [rad]; distance_sigma_m [m]: its "
-           "standard deviation; own_mps [m/s]: the robot's real speed along the line of sight; leaving_mps [m/s]: the "
-           "leader's speed away, negative if it comes.");
+  bind_gap(m);
   py::class_<Anticipation>(m, "Anticipation", "Output of the law for a predicted leader, before limits.")
       .def_readonly("wanted", &Anticipation::wanted, "Twist: output of the law before limits")
       .def_readonly("velocity", &Anticipation::velocity, "VelocityCommand: the fuzzy law on the predicted error");
@@ -270,40 +254,7 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<SpacingConfig>(m, "SpacingConfig", "Spacing that grows with speed, for chains of robots.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
-  bind_parameters<AvoidanceConfig>(m, "AvoidanceConfig", "Obstacles, as sonars or a laser measure them.");
-  bind_parameters<SearchConfig>(m, "SearchConfig", "A leader that is lost is searched by turning in place.");
-  py::class_<AvoidanceOutput>(m, "AvoidanceOutput", "What was made of the ranges in one step.")
-      .def_readonly("bearing_shift_rad", &AvoidanceOutput::bearing_shift_rad,
-                    "of the bearing that is kept [rad]; positive: the robot drives farther to the left")
-      .def_readonly("free_way_m", &AvoidanceOutput::free_way_m, "in the direction in which the law alone would drive [m]")
-      .def_readonly("free_direction_rad", &AvoidanceOutput::free_direction_rad,
-                    "that was chosen, in the base frame [rad]")
-      .def_readonly("nearest_m", &AvoidanceOutput::nearest_m, "from the robot's circle to the nearest surface [m]")
-      .def_readonly("allowed_mps", &AvoidanceOutput::allowed_mps,
-                    "forward speed with which it can stop before what the ranges show in its path [m/s]")
-      .def_readonly("limited", &AvoidanceOutput::limited, "that was below what the law wanted");
-  m.def("avoidance_rules", &avoidance_rules, "fuzzy.Controller: the 56 rules by which obstacles are passed.");
-  m.def(
-      "free_way_m",
-      [](double x_m, double y_m, double curvature, double radius_m) {
-        return free_way_m(SurfacePoint{x_m, y_m}, curvature, radius_m);
-      },
-      py::arg("x_m"), py::arg("y_m"), py::kw_only(), py::arg("curvature"), py::arg("radius_m"),
-      "How far a disc of radius_m around the base origin can move ahead along a circle of that curvature [1/m] until it "
-      "touches the point [m]; inf: never.");
-  m.def(
-      "guarded_by_ranges",
-      [](const AvoidanceConfig& config, const LimitsConfig& limits, double hold_s, double actuator_lag_s,
-         const RangeScan& scan, const Twist& wanted, const Twist& own) {
-        RangeField field;
-        field.add(scan, own, scan.utime);
-        return guarded_by_ranges(config, {limits, hold_s, actuator_lag_s},
-                                 field.view(reading_model(config), scan.utime), wanted, own, 0.0);
-      },
-      py::arg("config"), py::arg("limits"), py::kw_only(), py::arg("hold_s"), py::arg("actuator_lag_s"),
-      py::arg("scan"), py::arg("wanted"), py::arg("own"),
-      "Fastest forward speed [m/s], not above wanted's, with which the robot can stop before what the scan shows in its "
-      "path.");
+  bind_avoidance(m);
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
@@ -432,8 +383,8 @@ PYBIND11_MODULE(control, m) {
   make_value(m, "LawDescription", {"name", "text", "parameters", "make"});
   make_value(m, "FollowerConfig", {"law", "laws", "active_law"});
   make_results<AvoidanceOutput, Anticipation, VelocityCommand, FollowerOutput>();
-  add_reprs(m, {"AvoidanceOutput", "LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter", "LawDescription",
-                "VelocityCommand", "FollowerOutput"});
+  add_reprs(m, {"AvoidanceOutput", "LeaderEstimate", "LeaderMotion", "FieldOfView", "Anticipation", "LawParameter",
+                "LawDescription", "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});
   add_repr(m, "FollowerConfig",
            {"profile", "active_law", "velocity", "heading", "limits", "guard", "anticipate", "leader_motion", "drive",

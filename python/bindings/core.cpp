@@ -9,12 +9,12 @@
 #include "pilotfish/core/leader_body.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/observation.hpp"
-#include "pilotfish/core/range_scan.hpp"
 #include "pilotfish/core/read_file.hpp"
 #include "pilotfish/core/session_guard.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/core/twist.hpp"
+#include "range_scan.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
@@ -352,27 +352,7 @@ PYBIND11_MODULE(core, m) {
           "tags", [](const Observation& o) { return std::vector<TagDetection>(o.tags.begin(), o.tags.end()); },
           "list of TagDetection: the tags used, 12 at most");
 
-  py::class_<RangeScan>(m, "RangeScan", "One scan of a laser, or one round of a ring of sonars.")
-      .def(py::init([](std::int64_t utime, double first_rad, double step_rad, const std::vector<float>& ranges_m) {
-             if (ranges_m.size() > kMaxRanges)
-               throw py::value_error("a scan has at most " + std::to_string(kMaxRanges) + " readings, got " +
-                                     std::to_string(ranges_m.size()));
-             RangeScan scan{utime, first_rad, step_rad, {}};
-             for (float range_m : ranges_m) scan.ranges_m.push_back(range_m);
-             return scan;
-           }),
-           py::kw_only(), py::arg("utime"), py::arg("first_rad"), py::arg("step_rad"), py::arg("ranges_m"),
-           "utime [us]; directions of the first reading and to the next [rad] in the base frame, positive: to the left; "
-           "ranges_m: [m] from the base origin, below 0: no reading. ValueError on more than 1440.")
-      .def_readonly("utime", &RangeScan::utime, "of the scan [us]")
-      .def_readonly("first_rad", &RangeScan::first_rad, "direction of the first reading [rad]")
-      .def_readonly("step_rad", &RangeScan::step_rad, "from one reading to the next [rad]")
-      .def_property_readonly(
-          "ranges_m",
-          [](const RangeScan& scan) { return std::vector<float>(scan.ranges_m.begin(), scan.ranges_m.end()); },
-          "list of float [m], a copy; below 0: no reading")
-      .def_property_readonly("usable", &is_usable, "False: a coordinator would refuse it");
-
+  bind_range_scan(m);
   m.def(
       "read_file",
       [](const std::filesystem::path& file, std::size_t max_bytes) {

@@ -174,7 +174,8 @@ void bind_scenario(py::module_& m) {
       .def_readwrite("obstacles", &Scenario::obstacles, "list of Obstacle; getting it gives a copy")
       .def_readwrite("obstacle_field", &Scenario::obstacle_field,
                      "ObstacleField: more of them, drawn at random; None: no more")
-      .def("all_obstacles", &Scenario::all_obstacles, "obstacles, and those of the field. ValueError if they do not fit.")
+      .def("all_obstacles", &Scenario::all_obstacles,
+           "obstacles, and those of the field. ValueError if they do not fit.")
       .def_property_readonly("frame_count", &Scenario::frame_count,
                              "number of exposures, at k / frame_rate_hz, k = 0, 1, ... < duration_s")
       .def(

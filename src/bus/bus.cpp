@@ -310,12 +310,7 @@ void Bus::on_motion(const std::string& robot, std::function<void(MotionReport)> 
 }
 
 void Bus::on_ranges(const std::string& robot, std::function<void(RangeScan)> handler) {
-  connection_->listen(channel(robot, "RANGES"), true,
-                      [bus = connection_.get(), handler = std::move(handler)](const WireMessage& message) {
-                        Checked<RangeScan> checked = decode_ranges(message.payload->data(), message.payload->size());
-                        if (!checked.value) return bus->count(checked.rejection);
-                        handler(*checked.value);
-                      });
+  connection_->subscribe<RangeScan>(channel(robot, "RANGES"), &decode_ranges, std::move(handler));
 }
 
 MonotonicTime Bus::arrival() const { return connection_->arrival; }

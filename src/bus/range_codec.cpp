@@ -46,7 +46,8 @@ Checked<RangeScan> decode_ranges(const void* data, std::size_t size_bytes) {
   bot_core::planar_lidar_t message;
   if (message.decode(data, 0, static_cast<int>(size_bytes)) < 0) return Result::reject("ranges_corrupt");
   if (!is_usable_time(message.utime)) return Result::reject("ranges_time_invalid");
-  const bool finite = std::all_of(message.ranges.begin(), message.ranges.end(), [](float r) { return std::isfinite(r); });
+  const bool finite =
+      std::all_of(message.ranges.begin(), message.ranges.end(), [](float r) { return std::isfinite(r); });
   if (!finite || !std::isfinite(message.rad0) || !std::isfinite(message.radstep))
     return Result::reject("ranges_not_finite");
   RangeScan scan;

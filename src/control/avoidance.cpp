@@ -12,11 +12,13 @@
 namespace pilotfish::control {
 namespace {
 
-constexpr double kFan_rad = radians(3.0);          // between two directions that are compared
-constexpr double kEdge_rad = radians(5.0);         // half a tag at a metre: nearer to the edge of the picture it is cut
-constexpr double kSidewards_rad = radians(90.0);   // the law drives ahead, never back
-constexpr double kPreview_m = 0.4;                 // after which the line of sight is looked at
-constexpr double kTurnCost = 0.35, kSwitchCost = 0.15, kSightCost = 0.5;  // over that of a blocked way
+constexpr double kFan_rad = radians(3.0);         // between two directions that are compared
+constexpr double kEdge_rad = radians(5.0);        // half a tag at a metre: nearer to the edge of the picture it is cut
+constexpr double kSidewards_rad = radians(90.0);  // the law drives ahead, never back
+constexpr double kPreview_m = 0.4;                // after which the line of sight is looked at
+constexpr double kGentle = 0.3;                   // of the drive's acceleration
+constexpr double kStands_mps = 0.01;              // slower is standing
+constexpr double kTurnCost = 0.35, kSwitchCost = 0.15, kSightCost = 0.5, kNearCost = 1.0;  // over that of a blocked way
 
 double distance_m(const SurfacePoint& a, const SurfacePoint& b) noexcept {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
@@ -42,6 +44,19 @@ ObstacleView within(const ObstacleView& view, double reach_m) noexcept {
   return near;
 }
 
+/// How straight that direction leads towards a surface that is nearer than the radius already: the cosine. Every way
+/// that leads nearer ends at once there, so the ways alone would not tell one direction from another.
+double approach(const ObstacleView& view, double direction_rad, double radius_m) noexcept {
+  double most = 0.0;
+  for (const SurfacePoint& point : view.points) {
+    const double range_m = std::hypot(point.x_m, point.y_m);
+    if (range_m >= radius_m || range_m <= 0.0) continue;
+    const double towards_m = point.x_m * std::cos(direction_rad) + point.y_m * std::sin(direction_rad);
+    most = std::max(most, towards_m / range_m);
+  }
+  return most;
+}
+
 /// 0: nothing comes near the line of sight; 1: it is crossed. After the robot has gone kPreview_m in that direction and
 /// the leader as far in its own.
 double sight_blocked(const ObstacleView& view, const AvoidanceConfig& config, const Observation& observation,
@@ -52,8 +67,7 @@ double sight_blocked(const ObstacleView& view, const AvoidanceConfig& config, co
   leader.x_m += gone.x_m;
   leader.y_m += gone.y_m;
   double nearest_m = config.sight_m;
-  for (const SurfacePoint& point : view.points)
-    nearest_m = std::min(nearest_m, distance_to_line_m(point, own, leader));
+  for (const SurfacePoint& point : view.points) nearest_m = std::min(nearest_m, distance_to_line_m(point, own, leader));
   return 1.0 - nearest_m / config.sight_m;
 }
 
@@ -133,13 +147,15 @@ Setpoint Avoidance::steer(const ObstacleView& view, const Observation& observati
   const double radius_m = config_.robot_radius_m + config_.margin_m + config_.passing_m;
   const ObstacleView around = within(view, look_m + radius_m);
   const double right_rad = field_of_view.right_rad + kEdge_rad, left_rad = field_of_view.left_rad - kEdge_rad;
-  const double least = std::max(theta - left_rad, -kSidewards_rad), greatest = std::min(theta - right_rad, kSidewards_rad);
+  const double least = std::max(theta - left_rad, -kSidewards_rad),
+               greatest = std::min(theta - right_rad, kSidewards_rad);
   const double wanted_rad = wrap_angle(theta - setpoint.bearing_rad);
   const auto way = [&](double direction_rad) {
     return std::min(free_way_towards_m(around, direction_rad, radius_m), look_m);
   };
   const auto cost = [&](double direction_rad) {
     double sum = 1.0 - way(direction_rad) / look_m + kTurnCost * std::abs(direction_rad - wanted_rad) / most_rad +
+                 kNearCost * approach(around, direction_rad, radius_m) +
                  kSightCost * sight_blocked(around, config_, observation, direction_rad);
     if (chosen_heading_rad_)
       sum += kSwitchCost * std::abs(wrap_angle(heading_rad + direction_rad - *chosen_heading_rad_)) / most_rad;
@@ -147,8 +163,8 @@ Setpoint Avoidance::steer(const ObstacleView& view, const Observation& observati
   };
 
   output.free_way_m = way(wanted_rad);
-  const double blocked = std::max(1.0 - output.free_way_m / look_m,
-                                  0.7 * sight_blocked(around, config_, observation, wanted_rad));
+  const double blocked =
+      std::max(1.0 - output.free_way_m / look_m, 0.7 * sight_blocked(around, config_, observation, wanted_rad));
   double best_rad = wanted_rad, target_rad = 0.0;
   if (blocked > 0.0) {
     double best = cost(wanted_rad);
@@ -181,7 +197,35 @@ Setpoint Avoidance::steer(const ObstacleView& view, const Observation& observati
   return shifted;
 }
 
+/// From a way s it can stop with a gentle b if v^2 = 2 b s: with kGentle of the drive's acceleration, so that there is
+/// time to turn before the last rule, which knows no passing_m, would stop it.
+Twist Avoidance::moderate(const ObstacleView& view, const Twist& wanted, const Twist& own, double acceleration_mps2,
+                          double dt_s, AvoidanceOutput& output) noexcept {
+  if (backing_m_ > 0.0 && backing_s_ > 0.0) {
+    backing_m_ -= std::max(-own.linear_mps, 0.0) * dt_s;
+    backing_s_ -= dt_s;
+    output.backing_off = true;
+    return {-config_.back_off_mps, wanted.angular_radps};
+  }
+  if (wanted.linear_mps <= 0.0) return wanted;
+  const double radius_m = config_.robot_radius_m + config_.margin_m + config_.passing_m;
+  const double curvature = wanted.angular_radps / std::max(wanted.linear_mps, config_.creep_mps);
+  const double way_m = std::min(free_way_m(view, 0.0, radius_m), free_way_m(view, 0.5 * curvature, radius_m));
+  const double gentle_mps = std::sqrt(2.0 * kGentle * acceleration_mps2 * std::min(way_m, 1e3));
+  return {std::min(wanted.linear_mps, std::max(gentle_mps, config_.creep_mps)), wanted.angular_radps};
+}
+
+void Avoidance::allowed(double allowed_mps, double wanted_mps, double dt_s) noexcept {
+  const bool blocked = wanted_mps > 0.0 && allowed_mps < kStands_mps;
+  blocked_s_ = blocked ? blocked_s_ + dt_s : 0.0;
+  if (!blocked || blocked_s_ < config_.blocked_s || !(config_.back_off_m > 0.0)) return;
+  blocked_s_ = 0.0;
+  backing_m_ = config_.back_off_m;
+  backing_s_ = 2.0 * config_.back_off_m / config_.back_off_mps;
+}
+
 void Avoidance::restart() noexcept {
+  blocked_s_ = backing_m_ = backing_s_ = 0.0;
   shift_rad_ = 0.0;
   chosen_heading_rad_.reset();
 }

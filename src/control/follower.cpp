@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "pilotfish/control/range_guard.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/sections.hpp"
 #include "pilotfish/core/utime.hpp"
@@ -60,8 +59,7 @@ void check_leader_deceleration(const FollowerConfig& config) {
 /// Without them it would not be known that there is room to turn.
 void check_search(const FollowerConfig& config) {
   if (!config.search.search_by_rotating || config.avoidance.enabled) return;
-  throw ConfigError("control.search.search_by_rotating",
-                    "needs ranges all around: set control.avoidance.enabled, too");
+  throw ConfigError("control.search.search_by_rotating", "needs ranges all around: set control.avoidance.enabled, too");
 }
 
 bool are_finite(const Observation& observation, const Setpoint& setpoint) noexcept {
@@ -168,6 +166,7 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   Setpoint setpoint = with_headway(config_.spacing, asked, own_.twist().linear_mps);
   FollowerOutput output;
   Twist wanted_twist = kNoTwist;
+  ObstacleView obstacles;
   const bool finite = are_finite(observation, setpoint);
   if (finite && config_.avoidance.enabled) {
     if (!ranges_.fresh_at(observation.utime, config_.avoidance.max_age_s)) {
@@ -177,7 +176,7 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
     }
     search_.seen(observation.utime, ranges_.heading_rad() + observation.bearing_rad);
     const Disc leader = avoidance_.leader(observation);
-    const ObstacleView obstacles = ranges_.view(reading_model(config_.avoidance), observation.utime, {}, &leader);
+    obstacles = ranges_.view(reading_model(config_.avoidance), observation.utime, {}, &leader);
     setpoint = avoidance_.steer(obstacles, observation, setpoint, config_.view, ranges_.heading_rad(), dt_s,
                                 output.avoidance.emplace());
   }
@@ -197,9 +196,15 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
     output.reason = Reason::law_not_finite;
     return output;
   }
+  if (output.avoidance)
+    wanted_twist = avoidance_.moderate(obstacles, wanted_twist, own_.twist(),
+                                       config_.limits.max_linear_acceleration_mps2, dt_s, *output.avoidance);
   output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_,
                          since_last_command_s(dt_s));
-  if (output.avoidance) output.command = within_ranges(output.command, observation.utime, *output.avoidance);
+  if (output.avoidance) {
+    output.command = within_ranges(output.command, observation.utime, *output.avoidance);
+    avoidance_.allowed(output.command.linear_mps, wanted_twist.linear_mps, dt_s);
+  }
 
   own_.command(output.command, acts_utime(observation.utime));
   identifier_.command(output.command, observation.utime);
@@ -294,54 +299,6 @@ Gap Follower::gap(const Observation& observation) const noexcept {
   gap.distance_sigma_m = std::max(leader.distance_sigma_m, std::sqrt(std::max(observation.covariance(0, 0), 0.0)));
   gap.own_mps = then.twist().linear_mps * std::cos(gap.bearing_rad);
   return gap;
-}
-
-bool Follower::set_ranges(const RangeScan& scan) noexcept {
-  if (!config_.avoidance.enabled || !is_usable(scan)) return false;
-  if (ranges_.utime() && scan.utime <= *ranges_.utime()) return false;
-  ranges_.add(scan, own_.twist(), own_.utime());
-  return true;
-}
-
-void Follower::advance_own_to(std::int64_t utime) noexcept {
-  const Pose2 before = own_.pose();
-  own_.advance_to(utime);
-  if (config_.avoidance.enabled) ranges_.moved(before, own_.pose());
-}
-
-/// Where the robot is and how fast when the command acts, as the collision guard has it.
-Twist Follower::within_ranges(const Twist& command, std::int64_t utime, AvoidanceOutput& output) const noexcept {
-  const AvoidanceConfig& config = config_.avoidance;
-  const std::int64_t acts = acts_utime(utime);
-  EgoMotion then = own_;
-  then.advance_to(acts);
-  const ObstacleView view =
-      ranges_.view(reading_model(config), utime, motion_between(own_.pose(), then.pose()));
-  output.nearest_m = config.max_range_m;
-  for (const SurfacePoint& point : view.points)
-    output.nearest_m = std::min(output.nearest_m, std::hypot(point.x_m, point.y_m) - config.robot_radius_m);
-  Twist allowed = command;
-  allowed.linear_mps = guarded_by_ranges(config, {config_.limits, config_.hold_s, actuator_lag_s_}, view, command,
-                                         then.twist(), std::max(seconds_between(*ranges_.utime(), acts), 0.0));
-  output.allowed_mps = allowed.linear_mps;
-  output.limited = allowed.linear_mps != command.linear_mps;
-  return allowed;
-}
-
-SearchOutput Follower::search(std::int64_t utime) noexcept {
-  if (!config_.search.search_by_rotating) return {};
-  advance_own_to(utime);
-  const AvoidanceConfig& config = config_.avoidance;
-  if (!ranges_.fresh_at(utime, config.max_age_s)) return {false, Reason::ranges_not_fresh, 0.0};
-  const ObstacleView view = ranges_.view(reading_model(config), utime);
-  if (!view.covered.all()) return {false, Reason::ranges_not_fresh, 0.0};
-  for (const SurfacePoint& point : view.points)
-    if (std::hypot(point.x_m, point.y_m) <= config.robot_radius_m) return {false, Reason::obstacle_in_path, 0.0};
-  const double turn_radps = search_.turn_rate(utime, ranges_.heading_rad());
-  own_.command({0.0, turn_radps}, acts_utime(utime));
-  searched_utime_ = utime;
-  if (turn_radps == 0.0) return {};
-  return {true, Reason::turning_to_search, turn_radps};
 }
 
 std::int64_t Follower::acts_utime(std::int64_t utime) const { return later_s(utime, latency_s_); }

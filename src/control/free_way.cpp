@@ -10,6 +10,7 @@ namespace pilotfish::control {
 namespace {
 
 constexpr double kNever_m = std::numeric_limits<double>::infinity();
+constexpr double kBeside = 0.03;    // cosine: 88 degrees to the side and more is beside
 constexpr double kStraight = 1e-4;  // [1/m]; over a metre such a circle leaves the line by 0.05 mm
 
 }  // namespace
@@ -22,9 +23,13 @@ constexpr double kStraight = 1e-4;  // [1/m]; over a metre such a circle leaves 
 ///   R^2 + q^2 - 2 R q cos(p - t)
 ///
 /// from it, squared. That is r^2 first at t = p - acos((R^2 + q^2 - r^2) / 2 R q), if |R - q| < r; the way is R t.
+///
+/// A point inside the disc already may only be passed beside or left behind: nearer it may come by no more than beside
+/// it, sin(acos(kBeside)) of its distance.
 double free_way_m(const SurfacePoint& point, double curvature, double radius_m) noexcept {
-  const double r = radius_m;
-  if (std::hypot(point.x_m, point.y_m) <= r) return point.x_m > 0.0 ? 0.0 : kNever_m;
+  const double distance_m = std::hypot(point.x_m, point.y_m);
+  if (distance_m <= radius_m && point.x_m > kBeside * distance_m) return 0.0;
+  const double r = std::min(radius_m, std::sqrt(1.0 - kBeside * kBeside) * distance_m);
   const double x = point.x_m, y = curvature < 0.0 ? -point.y_m : point.y_m;
   if (std::abs(curvature) < kStraight) {
     if (x <= 0.0 || std::abs(y) >= r) return kNever_m;

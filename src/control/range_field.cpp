@@ -86,8 +86,9 @@ ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime
   for (const Reading& reading : readings_) {
     if (reading.range_m < 0.0 || seconds_between(reading.utime, utime) > model.max_age_s) continue;
     const Pose2 origin = motion_between(there, reading.taken_at);
-    const bool is_known = explained != nullptr && explains(*explained, origin, origin.heading_rad + reading.direction_rad,
-                                                           half_rad, reading.range_m);
+    const bool is_known =
+        explained != nullptr &&
+        explains(*explained, origin, origin.heading_rad + reading.direction_rad, half_rad, reading.range_m);
     for (int i = -steps; i <= steps; ++i) {
       const double direction_rad = origin.heading_rad + reading.direction_rad + half_rad * i / steps;
       view.covered.set(sector_of(direction_rad));

@@ -10,8 +10,8 @@ namespace pilotfish::control {
 namespace {
 
 constexpr double kHalfPath_rad = radians(60.0);  // nearer to the side a surface is beside the path already
-constexpr double kTightest = 20.0;  // [1/m]; on a circle of 5 cm a robot turns in place
-constexpr double kRolling_mps = 0.05;  // below, the present curvature says nothing
+constexpr double kTightest = 20.0;               // [1/m]; on a circle of 5 cm a robot turns in place
+constexpr double kRolling_mps = 0.05;            // below, the present curvature says nothing
 constexpr int kCurvatures = 7, kRounds = 12;
 
 /// Driving backwards is driving ahead in a mirror: x changes its sign, and so do speed and turn rate, whose quotient,

@@ -169,9 +169,15 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   measured_utime_ = utime;
   held_.ever_measured = true;
   hold(control.command, age_us, false);
-  const bool blocked = control.avoidance && control.avoidance->limited && control.command.linear_mps == 0.0;
-  return {utime,   Status::tracking, blocked ? Reason::obstacle_in_path : Reason::none, seen.observation,
-          control, control.command,  {}};
+  const bool blocked = control.avoidance && ((control.avoidance->limited && control.command.linear_mps == 0.0) ||
+                                             control.avoidance->backing_off);
+  return {utime,
+          Status::tracking,
+          blocked ? Reason::obstacle_in_path : Reason::none,
+          seen.observation,
+          control,
+          control.command,
+          {}};
 }
 
 void Coordinator::hold(const Twist& command, std::int64_t age_us, bool turning) noexcept {

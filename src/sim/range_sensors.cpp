@@ -36,7 +36,8 @@ RangeScan scan_of(const RangeSensors& sensors, const std::vector<Circle2>& circl
       range_m = std::min(range_m, distance_in_cone_m(circle, direction_rad, sensors.cone_rad));
     const double noise_m = sensors.noise_sigma_m * random.normal();  // drawn whether it is used or not
     const bool dropped = random.uniform() < sensors.dropout;
-    if (range_m < sensors.max_range_m) range_m = std::clamp(range_m + noise_m, sensors.min_range_m, sensors.max_range_m);
+    if (range_m < sensors.max_range_m)
+      range_m = std::clamp(range_m + noise_m, sensors.min_range_m, sensors.max_range_m);
     scan.ranges_m.push_back(dropped ? -1.0F : static_cast<float>(range_m));
   }
   return scan;

@@ -65,16 +65,14 @@ std::vector<Obstacle> Scenario::all_obstacles() const {
       clear.push_back(state_at(*robot.trajectory, robot.start, time_s).pose);
   }
   const int own = obstacle_field->seed != 0 ? obstacle_field->seed : seed;
-  const std::vector<Obstacle> drawn =
-      obstacles_of(*obstacle_field, static_cast<std::uint64_t>(own), clear, obstacles);
+  const std::vector<Obstacle> drawn = obstacles_of(*obstacle_field, static_cast<std::uint64_t>(own), clear, obstacles);
   all.insert(all.end(), drawn.begin(), drawn.end());
   return all;
 }
 
 void Scenario::validate() const {
   check_ranges(*this, "");
-  for (std::size_t i = 0; i < obstacles.size(); ++i)
-    check_ranges(obstacles[i], "obstacles[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < obstacles.size(); ++i) check_ranges(obstacles[i], "obstacles[" + std::to_string(i) + "]");
   check_field(obstacle_field);
   check_robot_name(name, "name");
   if (robots.empty()) throw ConfigError("robots", "a world needs at least one robot");

@@ -136,8 +136,8 @@ class Follower {
   /// The leader intent; as set_ego_motion().
   bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.update(utime, twist); }
 
-  /// What sonars or a laser measured, of the same clock; of use only if avoidance is enabled. False, and nothing changes,
-  /// if it cannot be used: not is_usable(), or not newer than the last.
+  /// What sonars or a laser measured, of the same clock; of use only if avoidance is enabled. False, and nothing
+  /// changes, if it cannot be used: not is_usable(), or not newer than the last.
   bool set_ranges(const RangeScan& scan) noexcept;
 
   /// The turn to where the leader was last seen, for a frame without it; zero, and a reason, if it may not turn (any

@@ -29,9 +29,9 @@ struct SearchConfig {
 
 /// What the search answers.
 struct SearchOutput {
-  bool turning = false;           ///< else there is nothing to be done
-  Reason reason = Reason::none;   ///< turning_to_search, or why it may not turn
-  double angular_radps = 0.0;     ///< turn rate, positive: to the left
+  bool turning = false;          ///< else there is nothing to be done
+  Reason reason = Reason::none;  ///< turning_to_search, or why it may not turn
+  double angular_radps = 0.0;    ///< turn rate, positive: to the left
 };
 
 /// The turns: beyond where the leader was last seen, back and as far beyond on the other side, and home again, 1 +

@@ -64,8 +64,8 @@ class RangeField {
   double heading_rad() const { return here_.heading_rad; }      ///< of the robot, in a frame of this field's own
 
   /// What is around a robot that is at `from`, in the base frame of the robot now: readings not older than
-  /// model.max_age_s at utime [us]. Readings that `explained` accounts for, because it stands in their cone and no nearer
-  /// surface does, leave no points.
+  /// model.max_age_s at utime [us]. Readings that `explained` accounts for, because it stands in their cone and no
+  /// nearer surface does, leave no points.
   ObstacleView view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from = {},
                     const Disc* explained = nullptr) const noexcept;
 

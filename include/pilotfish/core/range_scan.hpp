@@ -17,9 +17,9 @@ inline constexpr float kFarthestRange_m = 100.0F;
 /// One scan of a laser, or one round of a ring of sonars: the distance to the nearest surface in each of several
 /// directions, from the robot's base origin (whoever drives a ring adds the ring's radius).
 struct RangeScan {
-  std::int64_t utime = 0;   ///< of the scan [us]
-  double first_rad = 0.0;   ///< direction of the first reading in the base frame, positive: to the left
-  double step_rad = 0.0;    ///< from one reading to the next
+  std::int64_t utime = 0;  ///< of the scan [us]
+  double first_rad = 0.0;  ///< direction of the first reading in the base frame, positive: to the left
+  double step_rad = 0.0;   ///< from one reading to the next
   BoundedVector<float, kMaxRanges> ranges_m;  ///< [m]; below 0: no reading in that direction
 };
 

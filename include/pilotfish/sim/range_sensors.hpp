@@ -16,14 +16,17 @@ namespace pilotfish::sim {
 struct RangeSensors {
   PILOTFISH_PARAMETERS(RangeSensors);
   PILOTFISH_PARAMETER(int, count, 24, 1, 1440, "number of sensors, or of a laser's rays");
-  PILOTFISH_PARAMETER(double, first_rad, radians(-172.5), -2 * kPi, 2 * kPi, "direction of the first, in the base frame");
-  PILOTFISH_PARAMETER(double, last_rad, radians(172.5), -2 * kPi, 2 * kPi, "and of the last; the others evenly between");
+  PILOTFISH_PARAMETER(double, first_rad, radians(-172.5), -2 * kPi, 2 * kPi,
+                      "direction of the first, in the base frame");
+  PILOTFISH_PARAMETER(double, last_rad, radians(172.5), -2 * kPi, 2 * kPi,
+                      "and of the last; the others evenly between");
   PILOTFISH_PARAMETER(double, cone_rad, radians(15.0), 0.0, radians(90.0), "full opening of each; 0: a ray");
   PILOTFISH_PARAMETER(double, min_range_m, 0.05, 0.0, 10.0, "what is nearer is measured at this distance");
   PILOTFISH_PARAMETER(double, max_range_m, 3.0, 0.1, 100.0, "reading where nothing is nearer");
   PILOTFISH_PARAMETER(double, noise_sigma_m, 0.01, 0.0, 1.0, "standard deviation of a reading");
   PILOTFISH_PARAMETER(double, dropout, 0.0, 0.0, 1.0, "probability that a sensor gives no reading");
-  PILOTFISH_PARAMETER(double, rate_hz, 20.0, 0.1, 1000.0, "of the whole ring; with the nearest exposure of the cameras");
+  PILOTFISH_PARAMETER(double, rate_hz, 20.0, 0.1, 1000.0,
+                      "of the whole ring; with the nearest exposure of the cameras");
 };
 
 /// A vertical cylinder, in plan.

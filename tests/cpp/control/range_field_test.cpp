@@ -56,8 +56,7 @@ TEST(RangeField, AnObstacleStaysWhereItIsWhileTheRobotMoves) {
   field.moved({5.0, 1.0, 0.0}, {5.3, 1.0, kPi / 2.0});
   const ObstacleView view = field.view(kSonar, 1000);
   bool found = false;
-  for (const SurfacePoint& point : view.points)
-    found = found || std::hypot(point.x_m - 0.0, point.y_m + 0.7) < 0.02;
+  for (const SurfacePoint& point : view.points) found = found || std::hypot(point.x_m - 0.0, point.y_m + 0.7) < 0.02;
   EXPECT_TRUE(found);
 }
 

@@ -59,7 +59,8 @@ TEST(RangeGuard, StandsWhereNothingIsKnownOfThePath) {
   EXPECT_EQ(guarded(ahead, {-0.3, 0.0}), 0.0);
 }
 
-/// Drives as the command says for the hold, then ramps down behind the lag, and returns the least distance to the point.
+/// Drives as the command says for the hold, then ramps down behind the lag, and returns the least distance to the
+/// point.
 double least_distance_m(const Twist& command, Twist own, const SurfacePoint& point) {
   constexpr double kStep_s = 2e-3;
   const LimitsConfig& limits = kReaction.limits;
@@ -68,7 +69,8 @@ double least_distance_m(const Twist& command, Twist own, const SurfacePoint& poi
   double least_m = INFINITY;
   for (double t = 0.0; t < 1.5; t += kStep_s) {
     const Twist target = t < kReaction.hold_s ? command : Twist{};
-    follow_set_value(v, v_set, target.linear_mps, limits.max_linear_acceleration_mps2, kReaction.actuator_lag_s, kStep_s);
+    follow_set_value(v, v_set, target.linear_mps, limits.max_linear_acceleration_mps2, kReaction.actuator_lag_s,
+                     kStep_s);
     follow_set_value(w, w_set, target.angular_radps, limits.max_angular_acceleration_radps2, kReaction.actuator_lag_s,
                      kStep_s);
     pose = move_along_arc(pose, {v, w}, kStep_s);
@@ -94,8 +96,8 @@ TEST(RangeGuard, ARobotThatBrakesAtOnceNeverTouchesWhateverItWasDoing) {
     const Twist command{guarded(view, wanted, own), wanted.angular_radps};
     limited += command.linear_mps < wanted.linear_mps ? 1 : 0;
     EXPECT_GT(least_distance_m(command, own, point), radius_m)
-        << "point " << point.x_m << " " << point.y_m << " own " << own.linear_mps << " " << own.angular_radps << " command "
-        << command.linear_mps << " " << command.angular_radps << " wanted " << wanted.linear_mps;
+        << "point " << point.x_m << " " << point.y_m << " own " << own.linear_mps << " " << own.angular_radps
+        << " command " << command.linear_mps << " " << command.angular_radps << " wanted " << wanted.linear_mps;
   }
   EXPECT_GT(limited, 100);
 }
