@@ -62,6 +62,10 @@ BusListener::BusListener(const ListenerConfig& config, std::shared_ptr<Inbox> in
     bus_.on_pose(config_.robot, [this](const bus::MotionReport& own) {
       inbox_->put(ReceivedMotion{own.utime, own.twist, false});
     });
+  if (config_.ranges)
+    bus_.on_ranges(config_.robot, [this](const RangeScan& scan) {
+      inbox_->put(ReceivedRanges{std::make_shared<const RangeScan>(scan), bus_.arrival()});
+    });
   if (!config_.leader_intent_from.empty())
     bus_.on_motion(config_.leader_intent_from, [this](const bus::MotionReport& leader) {
       inbox_->put(ReceivedMotion{leader.utime, leader.twist, true});

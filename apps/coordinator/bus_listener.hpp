@@ -29,6 +29,7 @@ struct ListenerConfig {
   int width = 0, height = 0;  ///< of the pictures that can be used [px]
   bool simulated = false;     ///< stamps of images are no wall clock's
   bool odometry = false;
+  bool ranges = false;             ///< control.avoidance.enabled
   std::string leader_intent_from;  ///< empty: none
 };
 

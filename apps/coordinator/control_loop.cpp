@@ -178,6 +178,13 @@ class Loop {
     if (!used) ++reporter_.refused[received.of_the_leader ? "leader_intent_unusable" : "ego_motion_unusable"];
   }
 
+  void receive(const ReceivedRanges& received) {
+    const MonotonicTime at = config_.simulated ? clock_.now() : received.at;
+    const bool used = coordinator_.set_ranges(*received.scan, at);
+    if (parts_.black_box != nullptr) parts_.black_box->ranges(*received.scan, at, used, coordinator_);
+    if (!used) ++reporter_.refused["ranges_unusable"];
+  }
+
   /// Of whole frames; what vision refuses has counters of its own.
   void count_refused(Reason reason) {
     switch (reason) {
@@ -185,6 +192,7 @@ class Loop {
       case Reason::frame_time_not_advancing: ++reporter_.refused["frames_not_advancing"]; break;
       case Reason::frame_time_implausible: ++reporter_.refused["frames_implausible"]; break;
       case Reason::picture_repeated: ++reporter_.refused["frames_repeated"]; break;
+      case Reason::ranges_not_fresh: ++reporter_.refused["frames_without_ranges"]; break;
       case Reason::camera_frozen: ++reporter_.refused["frames_frozen"]; break;
       default: break;
     }

@@ -13,6 +13,7 @@
 
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/monotonic.hpp"
+#include "pilotfish/core/range_scan.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/twist.hpp"
 
@@ -37,7 +38,11 @@ struct ReceivedMotion {
   Twist twist;
   bool of_the_leader = false;
 };
-using Received = std::variant<ReceivedSetpoint, ReceivedMotion>;
+struct ReceivedRanges {
+  std::shared_ptr<const RangeScan> scan;
+  MonotonicTime at;
+};
+using Received = std::variant<ReceivedSetpoint, ReceivedMotion, ReceivedRanges>;
 
 /// From the receiving threads (bus, camera) to the vision thread. Never waits for the latter: a newer frame
 /// replaces an older one, and of a flood of messages the oldest are dropped.

@@ -80,6 +80,8 @@ void log_start(const config::CoordinatorFile& file, const bus::Bus& bus) {
   spdlog::info("fuzzy law {}: {} rules; limits {:.2f} m/s, {:.2f} m/s2, {:.2f} rad/s", config.control.law.name,
                config.control.law.rules.size(), config.control.limits.max_linear_mps,
                config.control.limits.max_linear_acceleration_mps2, config.control.limits.max_angular_radps);
+  if (file.coordinator.control.avoidance.enabled)
+    spdlog::info("obstacles: ranges on {}, without which it does not drive", bus::channel(file.name, "RANGES"));
   if (file.odometry == config::Odometry::pose)
     spdlog::info("own motion: odometry on {}", bus::channel(file.name, "POSE"));
   if (!file.leader_intent_from.empty())
@@ -186,6 +188,7 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
   listening.height = file.coordinator.camera.height;
   listening.simulated = simulated;
   listening.odometry = file.odometry == config::Odometry::pose;
+  listening.ranges = file.coordinator.control.avoidance.enabled;
   listening.leader_intent_from = file.leader_intent_from;
   BusListener listener(listening, inbox);
   if (const auto rival = listener.rival_within(listener.bus().receive_buffer_bytes() > 0 ? kRivalWithin_ms : 0))

@@ -70,6 +70,13 @@ void Runner::publish_motions(bool until_delivery) {
   }
 }
 
+void Runner::publish_ranges() {
+  for (const sim::RobotSpec& robot : world_.scenario().robots) {
+    if (!robot.range_sensors) continue;
+    if (const std::optional<RangeScan> scan = world_.ranges(robot.name)) bus_.publish(robot.name, *scan);
+  }
+}
+
 void Runner::publish_image(const std::string& robot, const Frame& frame) {
   bus_.publish_image(bus::channel(robot, "IMAGE"), frame);
 }
@@ -126,6 +133,7 @@ RunSummary Runner::play_in_lockstep() {
     world_.advance_to(exposure_s(played_.frames));
     publish_poses();
     publish_motions(true);
+    publish_ranges();
     std::map<std::string, Frame> pictures;
     for (const std::string& robot : followers_) {
       const std::optional<Frame> picture = expose(robot);
@@ -170,6 +178,7 @@ void Runner::wait_until_all_are_heard() {
 void Runner::expose_all() {
   publish_poses();
   publish_motions(false);
+  publish_ranges();
   for (const std::string& robot : followers_) {
     if (const std::optional<Frame> picture = expose(robot))
       under_way_.push_back({world_.time_s() + latency_s(robot), robot, *picture});

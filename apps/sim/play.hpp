@@ -51,6 +51,7 @@ class Runner {
   /// How each leader moves now or, `until_delivery`, when the first picture that is exposed now reaches a follower: in
   /// lock-step that takes no time, and on a robot it does.
   void publish_motions(bool until_delivery);
+  void publish_ranges();  ///< before the pictures of the same instant
   void publish_image(const std::string& robot, const Frame& frame);
   std::optional<Frame> expose(const std::string& robot);
   double latency_s(const std::string& robot) const;

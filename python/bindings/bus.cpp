@@ -274,6 +274,9 @@ PYBIND11_MODULE(bus, m) {
            py::arg("report"), Release(), "Sends a BaseReport on NAME_BASE. ConfigError on a name that is no channel.")
       .def("publish_setpoint", py::overload_cast<const std::string&, const SetpointReport&>(&Bus::publish),
            py::arg("robot"), py::arg("report"), Release(), "Raises ValueError if the setpoint is out of bounds.")
+      .def("publish_ranges", py::overload_cast<const std::string&, const RangeScan&>(&Bus::publish), py::arg("robot"),
+           py::arg("scan"), Release(),
+           "Sends a RangeScan as a bot_core.planar_lidar_t on NAME_RANGES; one that is not usable is counted instead.")
       .def("publish_image", &Bus::publish_image, py::arg("channel"), py::arg("frame"), Release(),
            "Raw if four of them fit into the receive buffer, else as JPEG of quality 95.")
       .def("on_image", &Bus::on_image, py::arg("channel"), py::arg("handler"), Release(), "handler(frame)")
@@ -285,6 +288,7 @@ PYBIND11_MODULE(bus, m) {
       .def("on_base", &Bus::on_base, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def("on_pose", &Bus::on_pose, py::arg("robot"), py::arg("handler"), Release(),
            "handler(report): what NAME_POSE says of the robot's speed and turn rate")
+      .def("on_ranges", &Bus::on_ranges, py::arg("robot"), py::arg("handler"), Release(), "handler(scan): a RangeScan")
       .def("on_motion", &Bus::on_motion, py::arg("robot"), py::arg("handler"), Release(), "handler(report)")
       .def_property_readonly(
           "arrival_us", [](const Bus& bus) { return bus.arrival().us; },

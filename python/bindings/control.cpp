@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "arrays.hpp"
+#include "avoidance.hpp"
 #include "drive_identifier.hpp"
 #include "exclusive.hpp"
 #include "guard.hpp"
@@ -248,6 +249,7 @@ PYBIND11_MODULE(control, m) {
   bind_parameters<LimitsConfig>(m, "LimitsConfig", "Limits on speed, acceleration and turn rate.");
   bind_parameters<AnticipateConfig>(m, "AnticipateConfig", "The paper's law around the leader's motion.");
   bind_parameters<LeaderMotionConfig>(m, "LeaderMotionConfig", "How leaders move.");
+  bind_avoidance(m);
   bind_parameters<DriveModelConfig>(m, "DriveModelConfig", "How late the wheels execute a command.");
 
   py::class_<VelocityCommand>(m, "VelocityCommand", "One evaluation of the law with all it went through.")
@@ -328,6 +330,7 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("ego_motion", &FollowerOutput::ego_motion, "EgoMotionSource: where the own motion was taken from")
       .def_readonly("drive", &FollowerOutput::drive,
                     "DriveEstimate: the drive's delays as this command assumes them; None unless it anticipates")
+      .def_readonly("avoidance", &FollowerOutput::avoidance, "AvoidanceOutput, or None where it is not enabled")
       .def_readonly("leader_intent", &FollowerOutput::leader_intent, "LeaderIntentUse: how the leader intent was used");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")
@@ -349,6 +352,8 @@ PYBIND11_MODULE(control, m) {
       .def("set_leader_intent", exclusive(&Follower::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The Twist that the leader announces of itself at utime [us]. False, and nothing changes, if it cannot be "
            "used. Profile `anticipate` alone listens.")
+      .def("set_ranges", exclusive(&Follower::set_ranges), py::arg("scan"),
+           "What sonars or a laser measured. False, and nothing changes, if it cannot be used.")
       .def("pause", exclusive(&Follower::pause), py::arg("held_us"),
            "The last command was held for held_us [us] and has been zero since, because no measurement came. The "
            "leader's "
@@ -373,11 +378,11 @@ PYBIND11_MODULE(control, m) {
   make_value(m, "LawParameter", {"key", "value", "min", "max", "text"});
   make_value(m, "LawDescription", {"name", "text", "parameters", "make"});
   make_value(m, "FollowerConfig", {"law", "laws", "active_law"});
-  make_results<Anticipation, VelocityCommand, FollowerOutput>();
-  add_reprs(m, {"LeaderEstimate", "LeaderMotion", "Gap", "FieldOfView", "Anticipation", "LawParameter",
-                "LawDescription", "VelocityCommand", "FollowerOutput"});
+  make_results<AvoidanceOutput, Anticipation, VelocityCommand, FollowerOutput>();
+  add_reprs(m, {"AvoidanceOutput", "LeaderEstimate", "LeaderMotion", "Gap", "FieldOfView", "Anticipation",
+                "LawParameter", "LawDescription", "VelocityCommand", "FollowerOutput"});
   add_repr(m, "EgoMotion", {"pose", "twist", "source"});
   add_repr(m, "FollowerConfig",
            {"profile", "active_law", "velocity", "heading", "limits", "guard", "spacing", "anticipate", "leader_motion",
-            "drive", "leader_intent", "view"});
+            "drive", "leader_intent", "avoidance", "search", "view"});
 }

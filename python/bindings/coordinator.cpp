@@ -145,16 +145,17 @@ PYBIND11_MODULE(coordinator, m) {
 
   py::class_<HeldCommand>(m, "HeldCommand", "The last command, until its measurement is too old.")
       .def(py::init([](std::int64_t utime, const Twist& command, std::int64_t from_us, std::int64_t until_us,
-                       bool holding, bool run, bool ever_measured) {
-             return HeldCommand{utime, command, {from_us}, {until_us}, holding, run, ever_measured};
+                       bool holding, bool run, bool ever_measured, bool turning) {
+             return HeldCommand{utime, command, {from_us}, {until_us}, holding, run, ever_measured, turning};
            }),
            py::kw_only(), py::arg("utime"), py::arg("command"), py::arg("from_us"), py::arg("until_us"),
-           py::arg("holding"), py::arg("run"), py::arg("ever_measured"),
+           py::arg("holding"), py::arg("run"), py::arg("ever_measured"), py::arg("turning") = false,
            "By keyword, as the attributes of the same name.")
       .def_readonly("command", &HeldCommand::command, "Twist of the last measurement; zero unless something is held")
       .def_readonly("holding", &HeldCommand::holding, "False: the wheels rest, whatever the time")
       .def_readonly("utime", &HeldCommand::utime, "exposure of the last frame that was in order [us]")
       .def_readonly("run", &HeldCommand::run, "the setpoint's")
+      .def_readonly("turning", &HeldCommand::turning, "it is a turn in search of the leader")
       .def_readonly("ever_measured", &HeldCommand::ever_measured, "False: searching rather than lost")
       .def(
           "at",
@@ -209,6 +210,11 @@ PYBIND11_MODULE(coordinator, m) {
            py::arg("setpoint"), "False, and the old one stays, if a number is out of range or not finite.")
       .def("set_ego_motion", exclusive(&Coordinator::set_ego_motion), py::arg("utime"), py::arg("twist"),
            "The own twist as odometry measured it; False if it cannot be used.")
+      .def("set_ranges", exclusive([](Coordinator& coordinator, const RangeScan& scan, std::int64_t now_us) {
+             return coordinator.set_ranges(scan, {now_us});
+           }),
+           py::arg("scan"), py::arg("now_us"),
+           "The RangeScan that arrived at now_us (monotonic); False if it cannot be used.")
       .def("set_leader_intent", exclusive(&Coordinator::set_leader_intent), py::arg("utime"), py::arg("twist"),
            "The twist the leader announces of itself; False if it cannot be used.")
       .def_property(

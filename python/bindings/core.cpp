@@ -14,6 +14,7 @@
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
 #include "pilotfish/core/twist.hpp"
+#include "range_scan.hpp"
 
 namespace py = pybind11;
 using namespace pilotfish;
@@ -351,6 +352,7 @@ PYBIND11_MODULE(core, m) {
           "tags", [](const Observation& o) { return std::vector<TagDetection>(o.tags.begin(), o.tags.end()); },
           "list of TagDetection: the tags used, 12 at most");
 
+  bind_range_scan(m);
   m.def(
       "read_file",
       [](const std::filesystem::path& file, std::size_t max_bytes) {
@@ -379,11 +381,13 @@ PYBIND11_MODULE(core, m) {
       m, "Observation",
       {"utime", "distance_m", "bearing_rad", "heading_rad", "covariance", "tags", "measured", "heading_ambiguity",
        "cMo", "other_cMo", "ambiguity_ratio", "reprojection_error_px", "min_decision_margin", "found_by"});
+  make_value(m, "RangeScan", {"utime", "first_rad", "step_rad", "ranges_m"});
   add_copies(m.attr("Twist"));
   add_copies(m.attr("Frame"), {"image", "utime"});
   make_results<SetpointDecision>();
   add_reprs(
       m, {"Twist", "SetpointDecision", "CameraModel", "LeaderBody", "TagDetection", "SequenceGuard", "SetpointGate"});
+  add_repr(m, "RangeScan", {"utime", "first_rad", "step_rad", "ranges_m"});
   add_repr(m, "Frame", {"utime", "width", "height"});
   add_repr(m, "RelativeMeasurement", {"distance_m", "bearing_rad", "heading_rad"});
   add_repr(m, "Observation",

@@ -135,6 +135,12 @@ void bind_rendering(py::module_& m) {
       py::arg("seed") = 1);
 }
 
+void bind_obstacles(py::module_& m) {
+  bind_parameters<Obstacle>(m, "Obstacle", "A cylinder that stands on the ground.");
+  bind_parameters<ObstacleField>(m, "ObstacleField", "Obstacles that are drawn at random.");
+  bind_parameters<RangeSensors>(m, "RangeSensors", "A ring of range sensors around a robot, or a laser.");
+}
+
 void bind_scenario(py::module_& m) {
   bind_parameters<CameraSpec>(m, "CameraSpec",
                               "A robot's own camera. The errors are unknown to the coordinator: the world has "
@@ -160,9 +166,16 @@ void bind_scenario(py::module_& m) {
             return robot.coordinator_file;
           },
           "configuration of the coordinator that drives it; None if there is none")
-      .def_readwrite("setpoint", &RobotSpec::setpoint, "None: what the coordinator's file says");
+      .def_readwrite("setpoint", &RobotSpec::setpoint, "None: what the coordinator's file says")
+      .def_readwrite("radius_m", &RobotSpec::radius_m, "of the circle around its base origin that is its outline [m]")
+      .def_readwrite("range_sensors", &RobotSpec::range_sensors, "RangeSensors, or None if it has none");
   bind_parameters<Scenario>(m, "Scenario", "A world to play: robots, time, seed.")
       .def_readwrite("robots", &Scenario::robots, "list of RobotSpec; getting it gives a copy, so set it as a whole")
+      .def_readwrite("obstacles", &Scenario::obstacles, "list of Obstacle; getting it gives a copy")
+      .def_readwrite("obstacle_field", &Scenario::obstacle_field,
+                     "ObstacleField: more of them, drawn at random; None: no more")
+      .def("all_obstacles", &Scenario::all_obstacles,
+           "obstacles, and those of the field. ValueError if they do not fit.")
       .def_property_readonly("frame_count", &Scenario::frame_count,
                              "number of exposures, at k / frame_rate_hz, k = 0, 1, ... < duration_s")
       .def(
@@ -229,6 +242,14 @@ void bind_world(py::module_& m) {
              return std::make_tuple(pose.distance_m, pose.bearing_rad, pose.heading_rad);
            }),
            "(distance_m, bearing_rad, heading_rad) of the leader", py::arg("robot"))
+      .def("ranges", exclusive_unlocked(&World::ranges), py::arg("robot"),
+           "RangeScan of its range sensors, or None between two rounds. IndexError: no such robot, or without any.")
+      .def("clearance_m", exclusive_unlocked(&World::clearance_m), py::arg("robot"),
+           "From its outline to the nearest obstacle or other robot's outline [m]; below 0 they collide.")
+      .def("leader_in_sight", exclusive_unlocked(&World::leader_in_sight), py::arg("robot"),
+           "Whether a whole tag of its leader is turned to its camera and behind no obstacle and no other robot.")
+      .def_property_readonly("obstacles", exclusive([](const World& world) { return world.obstacles(); }),
+                             "list of Obstacle, a copy; also those drawn at random")
       .def("capture", exclusive_unlocked(&World::capture), "Frame, or None if this one is dropped.", py::arg("robot"));
 }
 
@@ -275,6 +296,7 @@ PYBIND11_MODULE(sim, m) {
   bind_motion(m);
   bind_trajectories(m);
   bind_rendering(m);
+  bind_obstacles(m);
   bind_scenario(m);
   bind_world(m);
   bind_loop_parts(m);

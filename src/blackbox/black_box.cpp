@@ -235,6 +235,15 @@ void BlackBox::leader_intent(std::int64_t utime, const Twist& twist, bool taken,
   shared_->record_call(core, [&](std::int64_t sequence) { return encode_call(sequence, call, taken, core.held()); });
 }
 
+void BlackBox::ranges(const RangeScan& scan, MonotonicTime now, bool taken, const Coordinator& core) noexcept {
+  Call call;
+  call.kind = step_t::KIND_RANGES;
+  call.now_us = now.us;
+  call.utime = scan.utime;
+  call.scan = &scan;
+  shared_->record_call(core, [&](std::int64_t sequence) { return encode_call(sequence, call, taken, core.held()); });
+}
+
 void BlackBox::sent(const HeldCommand& held, MonotonicTime now, Reason missing, const HeldAnswer& sent,
                     std::int64_t session, std::int64_t counter) noexcept try {
   shared_->record({Event::Kind::other, wall_utime(), shared_->channel_prefix + "SENT",

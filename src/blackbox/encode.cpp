@@ -33,6 +33,7 @@ held_t message_of(const HeldCommand& held) {
   message.holding = held.holding;
   message.run = held.run;
   message.ever_measured = held.ever_measured;
+  message.turning = held.turning;
   return message;
 }
 
@@ -86,6 +87,12 @@ step_t message_of(std::int64_t sequence, const Call& call, const HeldCommand& he
   message.run = call.setpoint.run;
   message.linear_mps = call.twist.linear_mps;
   message.angular_radps = call.twist.angular_radps;
+  if (call.scan != nullptr) {
+    message.first_rad = call.scan->first_rad;
+    message.step_rad = call.scan->step_rad;
+    message.ranges_m.assign(call.scan->ranges_m.begin(), call.scan->ranges_m.end());
+    message.range_count = static_cast<std::int32_t>(message.ranges_m.size());
+  }
   message.held = message_of(held);
   return message;
 }

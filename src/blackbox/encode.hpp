@@ -11,6 +11,7 @@ struct Call {
   bool coarse_search = false;
   Setpoint setpoint{0.0, 0.0, false};
   Twist twist;
+  const RangeScan* scan = nullptr;
 };
 
 Bytes encode_frame(std::int64_t sequence, const Call& call, const StepResult& result, const HeldCommand& held);

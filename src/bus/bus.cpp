@@ -15,6 +15,7 @@
 #include "liblcm_incoming.hpp"
 #include "multicast.hpp"
 #include "pilotfish/core/robot_name.hpp"
+#include "range_codec.hpp"
 #include "report_codec.hpp"
 #include "status_codec.hpp"
 #include "udpm_receiver.hpp"
@@ -235,6 +236,11 @@ void Bus::publish(const std::string& robot, const MotionReport& report) {
   connection_->publish(channel(robot, "MOTION"), *message);
 }
 
+void Bus::publish(const std::string& robot, const RangeScan& scan) {
+  if (!is_usable(scan)) return connection_->count("ranges_not_publishable");
+  connection_->publish(channel(robot, "RANGES"), encode(scan));
+}
+
 void Bus::publish(const std::string& robot, const SetpointReport& report) {
   check_ranges(report.setpoint, "setpoint");
   connection_->publish(channel(robot, "SETPOINT"), encode(report));
@@ -301,6 +307,10 @@ void Bus::on_pose(const std::string& robot, std::function<void(MotionReport)> ha
 
 void Bus::on_motion(const std::string& robot, std::function<void(MotionReport)> handler) {
   connection_->subscribe<MotionReport>(channel(robot, "MOTION"), &decode_motion, std::move(handler));
+}
+
+void Bus::on_ranges(const std::string& robot, std::function<void(RangeScan)> handler) {
+  connection_->subscribe<RangeScan>(channel(robot, "RANGES"), &decode_ranges, std::move(handler));
 }
 
 MonotonicTime Bus::arrival() const { return connection_->arrival; }

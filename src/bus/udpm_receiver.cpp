@@ -26,10 +26,10 @@ constexpr std::int64_t kAddressesGoodForUs = 1'000'000;
 /// For the kernel: no datagram that begins with "LC03". The loads are relative to the UDP header of 8 bytes; a load
 /// behind the end drops the datagram too.
 void refuse_fragments_in_the_kernel(int descriptor) {
-  constexpr std::uint32_t kFragment = 0x4c433033, kAll = 0xFFFFFFFF;
+  constexpr std::uint32_t kFragmented = 0x4c433033, kAll = 0xFFFFFFFF;
   sock_filter program[] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, 8),
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kFragment, 0, 1),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kFragmented, 0, 1),
       BPF_STMT(BPF_RET | BPF_K, 0),
       BPF_STMT(BPF_RET | BPF_K, kAll),
   };

@@ -97,9 +97,20 @@ sim::RobotSpec read_robot(YamlSection& section) {
   if (section.optional("camera")) robot.camera = read_camera(section.section("camera"));
   if (section.optional("hardware")) read_hardware(section.file("hardware"), robot);
   if (section.optional("coordinator")) robot.coordinator_file = section.file_path("coordinator");
+  if (section.optional("radius_m")) robot.radius_m = section.number("radius_m", 0.01, sim::RobotSpec::kMaxRadius_m);
+  if (section.optional("range_sensors")) read_whole(section.section("range_sensors"), robot.range_sensors.emplace());
   if (section.optional("setpoint")) read_whole(section.section("setpoint"), robot.setpoint.emplace());
   section.finish();
   return robot;
+}
+
+sim::Obstacle read_obstacle(YamlSection& section) {
+  for (const char* key : {"x_m", "y_m"})
+    if (!section.has(key)) throw section.error(key, "is missing");
+  sim::Obstacle obstacle;
+  section.read(obstacle);
+  section.finish();
+  return obstacle;
 }
 
 constexpr int kMaxLike = 4;
@@ -121,6 +132,13 @@ sim::Scenario read_scenario(const TextFile& file, int like) {
     scenario.robots.clear();
     for (YamlSection& section : root.sections("robots")) scenario.robots.push_back(read_robot(section));
   }
+  if (root.optional("obstacles")) {
+    scenario.obstacles.clear();
+    for (YamlSection& section : root.sections("obstacles")) scenario.obstacles.push_back(read_obstacle(section));
+  }
+  if (root.optional("obstacle_field"))
+    read_whole(root.section("obstacle_field"),
+               scenario.obstacle_field ? *scenario.obstacle_field : scenario.obstacle_field.emplace());
   if (root.optional("hardware")) apply_hardware(root.file("hardware"), scenario);
   root.finish();
   return scenario;

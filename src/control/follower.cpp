@@ -56,6 +56,12 @@ void check_leader_deceleration(const FollowerConfig& config) {
   throw ConfigError("control.guard.leader_deceleration_mps2", problem.str());
 }
 
+/// Without them it would not be known that there is room to turn.
+void check_search(const FollowerConfig& config) {
+  if (!config.search.search_by_rotating || config.avoidance.enabled) return;
+  throw ConfigError("control.search.search_by_rotating", "needs ranges all around: set control.avoidance.enabled, too");
+}
+
 bool are_finite(const Observation& observation, const Setpoint& setpoint) noexcept {
   return std::isfinite(observation.distance_m) && std::isfinite(observation.bearing_rad) &&
          std::isfinite(setpoint.distance_m) && std::isfinite(setpoint.bearing_rad);
@@ -118,7 +124,7 @@ bool uses_section(const FollowerConfig& config, std::string_view section) noexce
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), section) != names.end();
   };
-  if (is_one_of({"limits", "guard", "spacing", "leader_motion", "drive"})) return true;
+  if (is_one_of({"limits", "guard", "spacing", "leader_motion", "drive", "avoidance", "search"})) return true;
   if (config.active_law != kFuzzyLaw) return section == config.active_law;
   return is_one_of({"velocity", "heading"}) ||
          (config.profile == Profile::anticipate && is_one_of({"anticipate", "leader_intent"}));
@@ -131,8 +137,11 @@ Follower::Follower(FollowerConfig config)
       intent_(config_.leader_intent),
       identifier_(config_.drive, config_.limits),
       latency_s_(config_.drive.latency_s),
-      actuator_lag_s_(config_.drive.actuator_lag_s) {
+      actuator_lag_s_(config_.drive.actuator_lag_s),
+      avoidance_(config_.avoidance),
+      search_(config_.search) {
   check_tree(config_, "control");
+  check_search(config_);
   check_leader_deceleration(config_);
   check_law_names(config_);
   for (LawDescription& law : config_.laws)
@@ -155,14 +164,29 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
   // standstill.
   const double dt_s =
       last_utime_ ? seconds_between(*last_utime_, observation.utime) : config_.velocity.control_period_s;
-  own_.advance_to(observation.utime);
+  advance_own_to(observation.utime);
   FollowerOutput output;
   Setpoint setpoint = asked;
   Twist wanted_twist = kNoTwist;
-  if (are_finite(observation, asked)) {
+  ObstacleView obstacles;
+  const bool finite = are_finite(observation, asked);
+  if (finite && config_.avoidance.enabled) {
+    if (!ranges_.fresh_at(observation.utime, config_.avoidance.max_age_s)) {
+      restart(observation.utime);
+      output.reason = Reason::ranges_not_fresh;
+      return output;
+    }
+    search_.seen(observation.utime, ranges_.heading_rad() + observation.bearing_rad);
+    const Disc leader = avoidance_.leader(observation);
+    obstacles = ranges_.view(reading_model(config_.avoidance), observation.utime, {}, &leader);
+  }
+  if (finite) {
     const std::optional<Prediction> prediction = predict(observation, dt_s);
     setpoint =
         with_headway(config_.spacing, asked, prediction ? prediction->leader.radial_mps : own_.twist().linear_mps);
+    if (config_.avoidance.enabled)
+      setpoint = avoidance_.steer(obstacles, observation, setpoint, config_.view, ranges_.heading_rad(), dt_s,
+                                  output.avoidance.emplace());
     output.drive = drive_in_use();
     wanted_twist = wanted(observation, setpoint, prediction, dt_s, output);
     if (is_finite(wanted_twist))
@@ -177,8 +201,15 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
     output.reason = Reason::law_not_finite;
     return output;
   }
+  if (output.avoidance)
+    wanted_twist = avoidance_.moderate(obstacles, wanted_twist, own_.twist(),
+                                       config_.limits.max_linear_acceleration_mps2, dt_s, *output.avoidance);
   output.command = limit(config_.limits, turn_first(wanted_twist, observation.bearing_rad), last_command_,
                          since_last_command_s(dt_s));
+  if (output.avoidance) {
+    output.command = within_ranges(output.command, observation.utime, *output.avoidance);
+    avoidance_.allowed(output.command.linear_mps, wanted_twist.linear_mps, dt_s);
+  }
 
   own_.command(output.command, acts_utime(observation.utime));
   identifier_.command(output.command, observation.utime);
@@ -300,6 +331,8 @@ void Follower::identify_drive(const Observation& observation, double dt_s) noexc
 }
 
 void Follower::pause(std::int64_t held_us) noexcept {
+  if (searched_utime_) own_.command(Twist{}, later(acts_utime(*searched_utime_), held_us));
+  searched_utime_.reset();
   if (paused_ || !last_utime_) return;
   own_.command(Twist{}, later(acts_utime(*last_utime_), held_us));
   identifier_.command(Twist{}, later(*last_utime_, held_us));
@@ -331,6 +364,8 @@ void Follower::restart_on_new_clock() noexcept {
   DriveModelConfig drive = config_.drive;
   drive.actuator_lag_s = actuator_lag_s_;
   own_ = EgoMotion(drive, config_.limits);
+  ranges_.clear();
+  search_.restart();
   identifier_.restart_on_new_clock();
   forget_leader();
 }
@@ -340,6 +375,8 @@ void Follower::forget_leader() noexcept {
   leader_.reset();
   intent_.reset();
   if (other_law_) other_law_->restart();
+  avoidance_.restart();
+  searched_utime_.reset();
   last_utime_.reset();
   last_error_m_.reset();
   last_command_ = Twist{};

@@ -73,6 +73,10 @@ void check_guard(const CoordinatorConfig& config, const vision::TagTracker& trac
   throw ConfigError("control.guard.minimum_distance_m", problem.str());
 }
 
+constexpr double kRangesFromFrame_us = 0.5e6;  // a scan that is farther from the last frame is of another clock
+
+bool is_invalid(Reason reason) { return kReasons[static_cast<std::size_t>(reason)].kind == ReasonKind::input; }
+
 bool is_too_near(const Setpoint& setpoint, double stop_distance_m) { return setpoint.distance_m < stop_distance_m; }
 
 }  // namespace
@@ -95,6 +99,8 @@ Coordinator::Coordinator(const CoordinatorConfig& config)
     throw ConfigError("setpoint.distance_m", problem.str());
   }
   held_.run = setpoint_.run;
+  needs_ranges_ = config.control.avoidance.enabled;
+  max_ranges_age_us_ = static_cast<std::int64_t>(config.control.avoidance.max_age_s * 1e6);
 }
 
 StampVerdict Coordinator::classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept {
@@ -141,8 +147,15 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   }
   if (!seen.observation) {
     if (seen.reason == Reason::camera_frozen) rest(utime);  // the last measurement may be as old as the picture
+    if (const std::optional<StepResult> turn = search(utime, age_us, seen.reason)) return *turn;
     StepResult result = not_measured(utime, seen.reason);
     result.refused = seen.refused;
+    return result;
+  }
+  if (needs_ranges_ && !ranges_fresh_at(now_)) {
+    stop_now();
+    StepResult result = not_measured(utime, Reason::ranges_not_fresh);
+    result.observation = seen.observation;
     return result;
   }
 
@@ -155,11 +168,53 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   }
   measured_utime_ = utime;
   held_.ever_measured = true;
-  held_.command = control.command;
+  hold(control.command, age_us, false);
+  const bool blocked = control.avoidance && ((control.avoidance->limited && control.command.linear_mps == 0.0) ||
+                                             control.avoidance->backing_off);
+  return {utime,
+          Status::tracking,
+          blocked ? Reason::obstacle_in_path : Reason::none,
+          seen.observation,
+          control,
+          control.command,
+          {}};
+}
+
+void Coordinator::hold(const Twist& command, std::int64_t age_us, bool turning) noexcept {
+  held_.command = command;
   held_.from = now_;
   held_.until = {later(now_.us, max_age_us_ - age_us)};
+  if (needs_ranges_) held_.until = std::min(held_.until, MonotonicTime{later(ranges_at_->us, max_ranges_age_us_)});
   held_.holding = true;
-  return {utime, Status::tracking, Reason::none, seen.observation, control, control.command, {}};
+  held_.turning = turning;
+}
+
+bool Coordinator::ranges_fresh_at(MonotonicTime now) const noexcept {
+  return ranges_at_ && now <= MonotonicTime{later(ranges_at_->us, max_ranges_age_us_)};
+}
+
+/// The measurement's last command has run out, and what is missing is the leader, not the picture.
+std::optional<StepResult> Coordinator::search(std::int64_t utime, std::int64_t age_us, Reason reason) noexcept {
+  const bool picture = reason != Reason::camera_frozen && reason != Reason::picture_repeated && !is_invalid(reason);
+  if (!needs_ranges_ || !picture || !held_.ever_measured || !ranges_fresh_at(now_)) return std::nullopt;
+  if (held_.fresh_at(now_) && !held_.turning) return std::nullopt;
+  const control::SearchOutput search = follower_.search(utime);
+  if (!search.turning) {
+    held_.holding = held_.turning = false;
+    held_.command = Twist{};
+    return std::nullopt;
+  }
+  const Twist turn{0.0, search.angular_radps};
+  hold(turn, age_us, true);
+  return StepResult{utime, Status::lost, search.reason, std::nullopt, std::nullopt, turn, {}};
+}
+
+bool Coordinator::set_ranges(const RangeScan& scan, MonotonicTime now) noexcept {
+  const std::optional<std::int64_t> last = timeline_.last_utime();
+  if (!needs_ranges_ || !last || std::abs(seconds_between(*last, scan.utime)) * 1e6 > kRangesFromFrame_us) return false;
+  if (!follower_.set_ranges(scan)) return false;
+  ranges_at_ = now;
+  return true;
 }
 
 StepResult Coordinator::command_at(MonotonicTime now, Reason reason) const noexcept {
@@ -173,20 +228,27 @@ StepResult Coordinator::not_measured(std::int64_t utime, Reason reason) const no
   return result;
 }
 
+/// What was held ends at this instant, and not when it would have.
+void Coordinator::stop_now() noexcept {
+  held_.until = std::min(held_.until, now_);
+  pause();
+}
+
 void Coordinator::pause() noexcept {
   if (held_.holding) follower_.pause(held_.until.us - held_.from.us);
-  held_.holding = false;
+  held_.holding = held_.turning = false;
   held_.command = Twist{};
 }
 
 void Coordinator::rest(std::int64_t since_utime) noexcept {
-  held_.holding = false;
+  held_.holding = held_.turning = false;
   held_.command = Twist{};
   follower_.restart(since_utime);
 }
 
 void Coordinator::begin_epoch() noexcept {
-  held_.holding = false;
+  held_.holding = held_.turning = false;
+  ranges_at_.reset();
   held_.command = Twist{};
   observer_.forget();
   follower_.restart_on_new_clock();
@@ -209,7 +271,7 @@ bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
 template <class Self, class Archive>
 void Coordinator::remember_decisions(Self& self, Archive& archive) {
   archive(self.timeline_, self.follower_, self.setpoint_.distance_m, self.setpoint_.bearing_rad, self.setpoint_.run,
-          self.now_, self.measured_utime_, self.held_);
+          self.now_, self.measured_utime_, self.held_, self.ranges_at_);
 }
 
 template <class Self, class Archive>

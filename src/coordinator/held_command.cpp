@@ -16,6 +16,7 @@ HeldAnswer HeldCommand::at(MonotonicTime now, Reason reason) const noexcept {
   const bool fresh = fresh_at(now);
   const Twist twist = fresh ? command : Twist{};
   if (is_invalid_input(reason)) return {Status::invalid_input, reason, twist};
+  if (fresh && turning) return {Status::lost, Reason::turning_to_search, twist};
   if (fresh) return {Status::coasting, reason, twist};
   return {ever_measured ? Status::lost : Status::searching, reason, twist};
 }

@@ -14,6 +14,20 @@ void check_part(const std::optional<Config>& part, const std::string& section) {
   if (part) check_ranges(*part, section);
 }
 
+void check_field(const std::optional<ObstacleField>& field) {
+  if (!field) return;
+  check_ranges(*field, "obstacle_field");
+  const auto check_order = [](double least, double most, const std::string& key, const char* other) {
+    if (least <= most) return;
+    throw ConfigError("obstacle_field." + key,
+                      std::to_string(most) + " is below " + other + " (" + std::to_string(least) + ")");
+  };
+  check_order(field->x_min_m, field->x_max_m, "x_max_m", "x_min_m");
+  check_order(field->y_min_m, field->y_max_m, "y_max_m", "y_min_m");
+  check_order(field->radius_min_m, field->radius_max_m, "radius_max_m", "radius_min_m");
+  check_order(field->height_min_m, field->height_max_m, "height_max_m", "height_min_m");
+}
+
 }  // namespace
 
 CameraModel real_model(const CameraSpec& camera) {
@@ -38,8 +52,28 @@ const RobotSpec* Scenario::find(const std::string& robot) const {
 
 int Scenario::frame_count() const { return static_cast<int>(std::ceil(duration_s * frame_rate_hz - 1e-9)); }
 
+/// A path is taken at every 50 ms: with 5 m/s its points are 0.25 m apart, and leave it by less than any radius.
+std::vector<Obstacle> Scenario::all_obstacles() const {
+  std::vector<Obstacle> all = obstacles;
+  if (!obstacle_field) return all;
+  constexpr double kStep_s = 0.05;
+  std::vector<Pose2> clear;
+  for (const RobotSpec& robot : robots) {
+    clear.push_back(robot.start);
+    if (!robot.trajectory) continue;
+    for (double time_s = 0.0; time_s < duration_s; time_s += kStep_s)
+      clear.push_back(state_at(*robot.trajectory, robot.start, time_s).pose);
+  }
+  const int own = obstacle_field->seed != 0 ? obstacle_field->seed : seed;
+  const std::vector<Obstacle> drawn = obstacles_of(*obstacle_field, static_cast<std::uint64_t>(own), clear, obstacles);
+  all.insert(all.end(), drawn.begin(), drawn.end());
+  return all;
+}
+
 void Scenario::validate() const {
   check_ranges(*this, "");
+  for (std::size_t i = 0; i < obstacles.size(); ++i) check_ranges(obstacles[i], "obstacles[" + std::to_string(i) + "]");
+  check_field(obstacle_field);
   check_robot_name(name, "name");
   if (robots.empty()) throw ConfigError("robots", "a world needs at least one robot");
   std::set<std::string> words;
@@ -57,6 +91,9 @@ void Scenario::validate() const {
       throw ConfigError(key + ".body.hidden_until_s", "is before hidden_from_s");
     if (robot.body && !robot.body->leader.tags.empty()) robot.body->leader.validate();
     check_part(robot.setpoint, key + ".setpoint");
+    check_part(robot.range_sensors, key + ".range_sensors");
+    if (const auto problem = outside(robot.radius_m, 0.01, RobotSpec::kMaxRadius_m))
+      throw ConfigError(key + ".radius_m", *problem);
     if (robot.camera) {
       robot.camera->model.validate();
       check_ranges(*robot.camera, key + ".camera");

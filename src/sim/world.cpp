@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "random.hpp"
@@ -17,6 +18,8 @@ Eigen::Isometry3d world_from_base(const Pose2& pose) {
 
 World::World(Scenario scenario) : scenario_(std::move(scenario)) {
   scenario_.validate();
+  obstacles_ = scenario_.all_obstacles();
+  for (const Obstacle& obstacle : obstacles_) obstacle_surfaces_.push_back(surfaces_of(obstacle));
   const auto seed = static_cast<std::uint64_t>(scenario_.seed);
   for (const RobotSpec& spec : scenario_.robots) {
     Robot robot;
@@ -152,7 +155,74 @@ View World::view(const Robot& viewer, double offset_s) const {
     if (&robot == &viewer || robot.surfaces.empty() || !robot.spec->visibility.visible_at(time_s_)) continue;
     view.bodies.push_back({&robot.surfaces, cMw * world_from_base(state_near_now(robot, offset_s).pose)});
   }
+  for (std::size_t i = 0; i < obstacles_.size(); ++i)
+    view.bodies.push_back({&obstacle_surfaces_[i], cMw * world_from_base({obstacles_[i].x_m, obstacles_[i].y_m, 0.0})});
   return view;
+}
+
+/// Obstacles and other robots, these as cylinders of their outline and as high as their box.
+std::vector<Obstacle> World::around(const Robot& own, const Robot* without) const {
+  std::vector<Obstacle> all = obstacles_;
+  for (const auto& [name, robot] : robots_) {
+    if (&robot == &own || &robot == without) continue;
+    const Pose2 pose = state_near_now(robot, 0.0).pose;
+    Obstacle cylinder;
+    cylinder.x_m = pose.x_m;
+    cylinder.y_m = pose.y_m;
+    cylinder.radius_m = robot.spec->radius_m;
+    const bool box = robot.spec->body && robot.spec->body->box_size_m[2] > 0.0;
+    cylinder.height_m = box ? robot.spec->body->box_position_m[2] + robot.spec->body->box_size_m[2] / 2.0 : 0.0;
+    all.push_back(cylinder);
+  }
+  return all;
+}
+
+std::optional<RangeScan> World::ranges(const std::string& name) const {
+  const Robot& robot = this->robot(name);
+  if (!robot.spec->range_sensors) throw std::out_of_range("'" + name + "' has no range sensors");
+  const RangeSensors& sensors = *robot.spec->range_sensors;
+  // Rounds are due at j / rate, and happen with the first exposure that is not before.
+  const auto rounds = [&](std::int64_t frame) {
+    return std::floor(static_cast<double>(frame) * sensors.rate_hz / scenario_.frame_rate_hz + 1e-9);
+  };
+  if (frame_index() > 0 && rounds(frame_index()) == rounds(frame_index() - 1)) return std::nullopt;
+  const Eigen::Isometry3d bMw = world_from_base(state_near_now(robot, 0.0).pose).inverse();
+  std::vector<Circle2> circles;
+  for (const Obstacle& each : around(robot, nullptr)) {
+    const Eigen::Vector3d centre = bMw * Eigen::Vector3d(each.x_m, each.y_m, 0.0);
+    circles.push_back({centre.x(), centre.y(), each.radius_m});
+  }
+  return scan_of(sensors, circles, utime(), frame_seed(robot, "ranges"));
+}
+
+double World::clearance_m(const std::string& name) const {
+  const Robot& robot = this->robot(name);
+  const Pose2 own = state_near_now(robot, 0.0).pose;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Obstacle& each : around(robot, nullptr))
+    least_m = std::min(least_m, std::hypot(each.x_m - own.x_m, each.y_m - own.y_m) - each.radius_m);
+  return least_m - robot.spec->radius_m;
+}
+
+/// Of each tag two lines of sight count, to the middles of its left and its right edge.
+bool World::leader_in_sight(const std::string& name) const {
+  const Robot& follower = robot(name);
+  const Robot& leader = leader_of(follower);
+  if (!leader.spec->visibility.visible_at(time_s_)) return false;
+  const Eigen::Vector3d eye = camera_in_world(follower, 0.0).translation();
+  const Eigen::Isometry3d wMl = world_from_base(state_near_now(leader, 0.0).pose);
+  const std::vector<Obstacle> between = around(follower, &leader);
+  for (const BodyTag& tag : leader.spec->body->leader.tags) {
+    const Eigen::Isometry3d wMt = wMl * body_from_tag(tag);
+    if (wMt.linear().col(2).dot(wMt.translation() - eye) <= 0.0) continue;  // z points into the wall
+    const Eigen::Vector3d half = wMt.linear().col(0) * tag.size_m / 2.0;
+    const auto free = [&](const Eigen::Vector3d& edge) {
+      return std::none_of(between.begin(), between.end(),
+                          [&](const Obstacle& obstacle) { return hides(obstacle, eye, edge); });
+    };
+    if (free(wMt.translation() - half) && free(wMt.translation() + half)) return true;
+  }
+  return false;
 }
 
 std::optional<Frame> World::capture(const std::string& name) const {

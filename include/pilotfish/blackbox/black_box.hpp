@@ -57,6 +57,8 @@ class BlackBox {
   void ego_motion(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
   /// Coordinator::set_leader_intent(), and what it returned.
   void leader_intent(std::int64_t utime, const Twist& twist, bool taken, const Coordinator& core) noexcept;
+  /// Coordinator::set_ranges(), and what it returned.
+  void ranges(const RangeScan& scan, MonotonicTime now, bool taken, const Coordinator& core) noexcept;
 
   // From any thread.
 

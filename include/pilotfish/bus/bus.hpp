@@ -12,6 +12,7 @@
 #include "pilotfish/bus/final_message.hpp"
 #include "pilotfish/bus/key.hpp"
 #include "pilotfish/bus/reports.hpp"
+#include "pilotfish/core/range_scan.hpp"
 
 PILOTFISH_API_BEGIN
 namespace pilotfish::bus {
@@ -64,6 +65,7 @@ class Bus {
   void publish(const std::string& robot, const MotionReport& report);       ///< on NAME_MOTION
   void publish(const std::string& robot, const BaseReport& report);         ///< on NAME_BASE
   void publish(const std::string& robot, const SetpointReport& report);     ///< on NAME_SETPOINT
+  void publish(const std::string& robot, const RangeScan& scan);            ///< on NAME_RANGES; usable ones only
   /// Raw if four of them fit into the receive buffer, else as JPEG of quality 95.
   void publish_image(const std::string& channel, const Frame& frame);
   /// On NAME_PREVIEW, as a JPEG of this quality (1 to 100), `shrink` times smaller on each side: pixel (i, j) is the
@@ -87,6 +89,9 @@ class Bus {
   void on_pose(const std::string& robot, std::function<void(MotionReport)> handler);
   /// The twist that a robot announces of itself on NAME_MOTION.
   void on_motion(const std::string& robot, std::function<void(MotionReport)> handler);
+
+  /// What sonars or a laser measured, on NAME_RANGES: bot_core.planar_lidar_t.
+  void on_ranges(const std::string& robot, std::function<void(RangeScan)> handler);
 
   /// Waits up to timeout_ms for a message, then handles all that have come. Returns how many. A signal ends
   /// the wait. If a handler throws, the messages behind it wait for the next call, and the exception passes

@@ -9,6 +9,7 @@
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/control/anticipating_law.hpp"
+#include "pilotfish/control/avoidance.hpp"
 #include "pilotfish/control/collision_guard.hpp"
 #include "pilotfish/control/drive_identifier.hpp"
 #include "pilotfish/control/ego_motion.hpp"
@@ -17,7 +18,9 @@
 #include "pilotfish/control/law.hpp"
 #include "pilotfish/control/leader_intent.hpp"
 #include "pilotfish/control/leader_motion_estimator.hpp"
+#include "pilotfish/control/leader_search.hpp"
 #include "pilotfish/control/limits.hpp"
+#include "pilotfish/control/range_field.hpp"
 #include "pilotfish/control/spacing.hpp"
 #include "pilotfish/core/observation.hpp"
 #include "pilotfish/core/setpoint.hpp"
@@ -54,6 +57,8 @@ struct FollowerConfig {
   FieldOfView view;                                    ///< of the camera, for the guard of `anticipate`
   double hold_s = 0.1;                                 ///< safety.max_age_s, for the guard: how long a command acts
   LeaderIntentConfig leader_intent;                    ///< how the leader intent is used
+  AvoidanceConfig avoidance;                           ///< obstacles, as ranges show them; off by default
+  SearchConfig search;                                 ///< of a leader that is lost; off by default
 
   template <class Visit>
   static void sections(Visit&& visit) {  ///< see core/sections.hpp; those of `laws` come besides
@@ -67,6 +72,8 @@ struct FollowerConfig {
     visit("leader_motion", &C::leader_motion);
     visit("drive", &C::drive);
     visit("leader_intent", &C::leader_intent);
+    visit("avoidance", &C::avoidance);
+    visit("search", &C::search);
   }
 };
 
@@ -89,7 +96,7 @@ struct FollowerOutput {
   Twist command;      ///< within the limits; zero unless `reason` is none
   Setpoint setpoint;  ///< that was kept: with the headway
   /// law_not_finite: the law's twist, the measurement or the setpoint was not finite. The law is reset, as by
-  /// restart(), and the next follow() starts from rest.
+  /// restart(), and the next follow() starts from rest. ranges_not_fresh: the same, where avoidance is enabled.
   Reason reason = Reason::none;
   /// The fuzzy law's answer to the measured error or, where it anticipates, to the predicted one. Not used by other
   /// laws.
@@ -101,6 +108,7 @@ struct FollowerOutput {
   LeaderIntentUse leader_intent = LeaderIntentUse::silent;  ///< how the leader intent was used
   /// The drive's delays, as this command assumes them, and how well they are identified.
   std::optional<DriveEstimate> drive;
+  std::optional<AvoidanceOutput> avoidance;  ///< where it is enabled
 };
 
 /// The entry point of this module: Observation in, Twist out. Time comes from the observations.
@@ -112,6 +120,8 @@ struct FollowerOutput {
 ///                                                 --> blended with the paper's command by feed_forward_weight -->
 ///                                                 kept in view --> limits
 ///   any         own commands, observation --> Gap --> guarded_speed(), an upper bound of the speed before the limits
+///   avoidance   ranges, own commands --> RangeField --> Avoidance: shifts the setpoint's bearing before the law
+///                                                  --> guarded_by_ranges(), an upper bound of the speed, last of all
 class Follower {
  public:
   /// Throws ConfigError if any parameter is out of range.
@@ -126,6 +136,14 @@ class Follower {
   /// The leader intent; as set_ego_motion().
   bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept { return intent_.update(utime, twist); }
 
+  /// What sonars or a laser measured, of the same clock; of use only if avoidance is enabled. False, and nothing
+  /// changes, if it cannot be used: not is_usable(), or not newer than the last.
+  bool set_ranges(const RangeScan& scan) noexcept;
+
+  /// The turn to where the leader was last seen, for a frame without it; zero, and a reason, if it may not turn (any
+  /// more): see LeaderSearch. The robot does not translate.
+  SearchOutput search(std::int64_t utime) noexcept;
+
   /// The last command was held for held_us [us] and has been zero since, because no measurement came: dropped pictures,
   /// a short occlusion. The leader's estimate goes on for leader_motion.memory_s after the last measurement; the next
   /// command starts from the speed to which the wheels have slowed down by then, as dead reckoning has it.
@@ -139,7 +157,8 @@ class Follower {
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
     archive(self.own_, self.leader_, self.intent_, self.last_utime_, self.last_error_m_, self.last_command_,
-            self.paused_, self.identifier_, self.latency_s_, self.actuator_lag_s_);
+            self.paused_, self.identifier_, self.latency_s_, self.actuator_lag_s_, self.ranges_, self.avoidance_,
+            self.search_, self.searched_utime_);
     if (self.other_law_) self.other_law_->remember(archive);
   }
 
@@ -175,6 +194,10 @@ class Follower {
   /// To the leader, as the guard has it, when the command for this frame acts.
   Gap gap(const Observation& observation) const noexcept;
   std::int64_t acts_utime(std::int64_t utime) const;
+  /// Dead reckoning on to utime, and what the ranges show with it.
+  void advance_own_to(std::int64_t utime) noexcept;
+  /// The last rule of all: not faster than the ranges allow.
+  Twist within_ranges(const Twist& command, std::int64_t utime, AvoidanceOutput& output) const noexcept;
 
   FollowerConfig config_;
   EgoMotion own_;
@@ -187,6 +210,10 @@ class Follower {
   DriveIdentifier identifier_;
   double latency_s_ = 0.0, actuator_lag_s_ = 0.0;  ///< of the drive, as they are used
   bool paused_ = false;                            ///< the command has been zero since the last measurement expired
+  RangeField ranges_;                              ///< empty unless avoidance is enabled
+  Avoidance avoidance_;
+  LeaderSearch search_;
+  std::optional<std::int64_t> searched_utime_;  ///< of the turn that is under way
 };
 
 }  // namespace pilotfish::control

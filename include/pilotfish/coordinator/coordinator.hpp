@@ -13,6 +13,7 @@
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/monotonic.hpp"
 #include "pilotfish/core/parameter.hpp"
+#include "pilotfish/core/range_scan.hpp"
 #include "pilotfish/core/refused_value.hpp"
 #include "pilotfish/core/setpoint.hpp"
 #include "pilotfish/core/status.hpp"
@@ -90,10 +91,12 @@ struct CoordinatorMemory {
 /// times give the same bits, on the robot, in the simulator, in a replay and in pytest. step() never throws.
 ///
 ///   searching --measured--> tracking --not measured--> coasting --older than max_age_s--> lost --measured--> tracking
+///   lost, with control.search: turns in place, while frames and ranges are fresh; nothing else moves without a leader
 ///   any --setpoint.run = false--> stopped;  a frame that cannot be used is "not measured" too, as invalid_input
 ///
 /// A frame without a measurement cannot prolong the last one: HeldCommand is written when
-/// the law has answered a measurement, and cleared; nowhere else.
+/// the law has answered a measurement (or the search a frame without one), and cleared; nowhere else. Where
+/// control.avoidance is enabled nothing is held for longer than the ranges are fresh.
 class Coordinator {
  public:
   /// Throws ConfigError naming the parameter.
@@ -128,6 +131,11 @@ class Coordinator {
   bool set_ego_motion(std::int64_t utime, const Twist& twist) noexcept;
   /// The leader intent; see set_ego_motion().
   bool set_leader_intent(std::int64_t utime, const Twist& twist) noexcept;
+  /// Needed where control.avoidance is enabled, at any rate, between frames: what sonars or a laser measured, which
+  /// arrived at `now`. False, and nothing changes, where that is off, and of a scan that cannot be used: see
+  /// is_usable(); more than half a second from the last frame; not newer than the last. These checks by
+  /// stamp do not prove that it is fresh: its arrival does.
+  bool set_ranges(const RangeScan& scan, MonotonicTime now) noexcept;
   static constexpr double kOtherClock_s = 1.0;  ///< farther from the last frame is another clock
   /// By the observer, since the start
   const vision::RejectionCounters& rejected() const { return observer_.rejected(); }
@@ -152,11 +160,17 @@ class Coordinator {
   static void remember_decisions(Self& self, Archive& archive);
   template <class Self, class Archive>
   static void remember_vision(Self& self, Archive& archive);
+  bool ranges_fresh_at(MonotonicTime now) const noexcept;
+  /// A turn in search of the leader, held like any command; nothing where there is none.
+  std::optional<StepResult> search(std::int64_t utime, std::int64_t age_us, Reason reason) noexcept;
+  /// Held from now on, for as long as frame and ranges are fresh.
+  void hold(const Twist& command, std::int64_t age_us, bool turning) noexcept;
   bool is_near_last_frame(std::int64_t utime) const noexcept;
   vision::ObservationResult observe(const Frame& frame) noexcept;
   StepResult step_latest(std::int64_t utime, const vision::ObservationResult& seen, std::int64_t age_us) noexcept;
   StepResult not_measured(std::int64_t utime, Reason reason) const noexcept;
   StampVerdict classify(std::int64_t utime, std::int64_t known_age_us, MonotonicTime now) noexcept;
+  void stop_now() noexcept;  ///< the command is zero from now on, the estimate goes on
   void pause() noexcept;  ///< the last measurement has expired: the command has been zero since, the estimate goes on
   void rest(std::int64_t since_utime) noexcept;  ///< the wheels stand still from then on: resets the motion
   void begin_epoch() noexcept;                   ///< earlier measurements and motion are unrelated to the new stamps
@@ -172,6 +186,9 @@ class Coordinator {
   MonotonicTime now_{std::numeric_limits<std::int64_t>::min()};  ///< the latest that was given
   std::int64_t measured_utime_ = 0;                              ///< of what is held
   HeldCommand held_;
+  bool needs_ranges_ = false;  ///< control.avoidance.enabled
+  std::int64_t max_ranges_age_us_ = 0;
+  std::optional<MonotonicTime> ranges_at_;  ///< arrival of the last scan
 };
 
 }  // namespace pilotfish

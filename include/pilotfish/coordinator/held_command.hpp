@@ -27,13 +27,14 @@ struct HeldCommand {
   bool holding = false;        ///< false: the wheels rest, whatever the time
   bool run = true;             ///< the setpoint's
   bool ever_measured = false;  ///< distinguishes lost from searching
+  bool turning = false;        ///< the command is a turn in search of the leader, which is lost
 
   /// The last command while `now` is in [from, until], zeros otherwise; `reason` is what was missing. A clock that
   /// went backward, and a measurement in the future, move nothing.
   HeldAnswer at(MonotonicTime now, Reason reason) const noexcept;
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.utime, self.command, self.from, self.until, self.holding, self.run, self.ever_measured);
+    archive(self.utime, self.command, self.from, self.until, self.holding, self.run, self.ever_measured, self.turning);
   }
   /// Whether the command holds at `now`.
   bool fresh_at(MonotonicTime now) const noexcept { return run && holding && from <= now && now <= until; }

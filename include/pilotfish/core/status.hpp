@@ -14,7 +14,7 @@ enum class Status {
   searching,      ///< running, the leader has not been seen since the start (or since a stop)
   tracking,       ///< the leader was measured in this very frame and the law drives
   coasting,       ///< not measured in this frame; the last command is held, for 100 ms at most
-  lost,           ///< was tracked, has not been measured for longer than that: v = w = 0
+  lost,           ///< was tracked, has not been measured for longer than that: v = w = 0, unless it turns to search
   stopped,        ///< stopped by the setpoint: v = w = 0
   invalid_input,  ///< the frame cannot be used (size, format, time): v = w = 0 once coasting has run out
 };
@@ -56,7 +56,10 @@ enum class ReasonKind {
   X(frame_time_implausible, input, "the frame's time does not fit the time that has passed")                          \
   X(another_coordinator, input, "another coordinator sends commands under this name")                                 \
   X(internal_error, input, "the program failed")                                                                      \
-  X(picture_repeated, observation, "the same picture as one before: nothing new is seen")
+  X(picture_repeated, observation, "the same picture as one before: nothing new is seen")                             \
+  X(ranges_not_fresh, input, "no fresh ranges, without which it does not drive")                                      \
+  X(obstacle_in_path, observation, "an obstacle is in the way")                                                       \
+  X(turning_to_search, observation, "turning to where the leader was last seen")
 // clang-format on
 
 /// Why. One reason belongs to each status report; the text is what is logged and published.

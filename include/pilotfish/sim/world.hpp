@@ -12,6 +12,7 @@
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/core/observation.hpp"
+#include "pilotfish/core/range_scan.hpp"
 #include "pilotfish/sim/scenario.hpp"
 
 PILOTFISH_API_BEGIN
@@ -58,6 +59,16 @@ class World {
   /// The same as distance, bearing and heading.
   RelativePose true_relative_pose(const std::string& robot) const;
 
+  /// What its range sensors read now; nothing between two rounds. Obstacles and the other robots' outlines are what
+  /// there is to see. std::out_of_range: a robot without any.
+  std::optional<RangeScan> ranges(const std::string& robot) const;
+  /// From its outline to the nearest obstacle or other robot's outline, now [m]; below 0 they collide. Infinite: alone.
+  double clearance_m(const std::string& robot) const;
+  /// Whether a tag of the robot that `robot` follows is in sight of its camera: turned to it, and whole, behind no
+  /// obstacle and no other robot. Its place in the picture does not matter.
+  bool leader_in_sight(const std::string& robot) const;
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }  ///< also those drawn at random
+
   /// The robot's camera picture now; nothing if the scenario's seed drops this frame.
   std::optional<Frame> capture(const std::string& robot) const;
 
@@ -82,10 +93,13 @@ class World {
   std::uint64_t frame_seed(const Robot& robot, const char* purpose) const;
   Eigen::Isometry3d camera_in_world(const Robot& robot, double offset_s) const;
   View view(const Robot& robot, double offset_s) const;
+  std::vector<Obstacle> around(const Robot& robot, const Robot* without) const;
   void drive(Robot& robot, double until_s) const;
 
   Scenario scenario_;
   std::map<std::string, Robot> robots_;
+  std::vector<Obstacle> obstacles_;
+  std::vector<std::vector<Surface>> obstacle_surfaces_;
   double time_s_ = 0.0;
 };
 

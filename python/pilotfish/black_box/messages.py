@@ -8,7 +8,7 @@ from pilotfish import blackbox, core
 from pilotfish.black_box.bits import bits
 from pilotfish.coordinator import ConfigBundle, ConfigOverrides, ConfigText, HeldCommand
 from pilotfish.lcmtypes.bot_core import image_t
-from pilotfish.lcmtypes.pilotfish import box_start_t, held_t, measurement_t
+from pilotfish.lcmtypes.pilotfish import box_start_t, held_t, measurement_t, step_t
 
 COPY_MARK = "pilotfish_copy"
 
@@ -30,6 +30,14 @@ def held_of(message: held_t) -> HeldCommand:
         holding=bool(message.holding),
         run=bool(message.run),
         ever_measured=bool(message.ever_measured),
+        turning=bool(message.turning),
+    )
+
+
+def scan_of(message: step_t) -> core.RangeScan:
+    """What sonars or a laser measured, to the bit."""
+    return core.RangeScan(
+        utime=message.utime, first_rad=message.first_rad, step_rad=message.step_rad, ranges_m=list(message.ranges_m)
     )
 
 
@@ -100,7 +108,7 @@ def twist_bits(twist: core.Twist) -> bytes:
 
 def held_key(held: HeldCommand) -> tuple[object, ...]:
     """All of a HeldCommand, comparable to the bit."""
-    flags = (held.holding, held.run, held.ever_measured)
+    flags = (held.holding, held.run, held.ever_measured, held.turning)
     return (held.utime, twist_bits(held.command), held.from_us, held.until_us, *flags)
 
 

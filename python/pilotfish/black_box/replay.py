@@ -18,6 +18,7 @@ _KINDS = {
     step_t.KIND_SETPOINT: "setpoint",
     step_t.KIND_OWN_MOTION: "own motion",
     step_t.KIND_LEADER_INTENT: "leader_intent",
+    step_t.KIND_RANGES: "ranges",
 }
 # The sender holds what one of the last frames led to; its thread and the core's record in any order.
 _HELD_BACK, _HELD_AHEAD = 64, 4
@@ -325,6 +326,8 @@ class _Run:
             taken = self._core.set_setpoint(setpoint)
         elif message.kind == step_t.KIND_OWN_MOTION:
             taken = self._core.set_ego_motion(message.utime, twist)
+        elif message.kind == step_t.KIND_RANGES:
+            taken = self._core.set_ranges(messages.scan_of(message), message.now_us)
         else:
             taken = self._core.set_leader_intent(message.utime, twist)
         was = bool(message.taken)
@@ -376,7 +379,7 @@ def _answer_text(status: core.Status, reason: core.Reason, command: core.Twist) 
 
 
 def _held_text(held: HeldCommand) -> str:
-    flags = f"holding {held.holding}, run {held.run}, ever measured {held.ever_measured}"
+    flags = f"holding {held.holding}, run {held.run}, ever measured {held.ever_measured}, turning {held.turning}"
     return f"{_twist_text(held.command)} of {held.utime} us, from {held.from_us} to {held.until_us} us, {flags}"
 
 

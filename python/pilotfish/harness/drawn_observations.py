@@ -31,7 +31,7 @@ class ObservationNoise:
 @dataclass
 class DrawnObservations:
     """What a coordinator measures of the leader, drawn around the truth. Nothing outside the camera's view or
-    while the leader is hidden."""
+    while the leader is hidden; with ``occlusion`` also by obstacles and other robots."""
 
     seed: int
     noise: ObservationNoise = field(default_factory=ObservationNoise)
@@ -40,6 +40,7 @@ class DrawnObservations:
     vibration_rad: float = 0.0  # standard deviation of the camera's pitch and of its roll; no covariance claims it
     vibration_hz: float | None = None  # of a sine; None: white, new in every frame
     drop_probability: float = 0.0  # of a picture never being delivered
+    occlusion: bool = False  # obstacles and other robots hide the leader
 
     def __post_init__(self) -> None:
         self._random = np.random.default_rng(self.seed)
@@ -58,6 +59,8 @@ class DrawnObservations:
             errors += self._shaken(world, robot, distance_m)
         hidden_from_s, hidden_until_s = self._hidden_s(world, robot)
         if hidden_from_s <= world.time_s < hidden_until_s or abs(bearing_rad) > self.half_view_rad:
+            return None
+        if self.occlusion and not world.leader_in_sight(robot):
             return None
         return core.Observation(
             utime=world.utime,

@@ -62,15 +62,16 @@ def run_in_process(
 
     ``profile`` is anything that can drive (see Driving); ``as_configured``: the coordinators' files say so already,
     with parameters of their own. ``spec`` is another version of the scenario's world: another seed, other
-    imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
-    nothing is rendered: measurements are drawn. ``feed`` is called before each step, with the robot's name: it
-    supplies the coordinator's other inputs, such as odometry. Without ``reports`` the run has none, which saves a
-    third of the time of a run of drawn measurements.
+    imperfections. A robot's range sensors are fed to its coordinator. ``configure`` is applied last to each
+    coordinator's configuration. With ``drawn`` nothing is rendered: measurements are drawn. ``feed`` is called before
+    each step, with the robot's name: it supplies the coordinator's other inputs, such as odometry. Without ``reports``
+    the run has none, which saves a third of the time of a run of drawn measurements.
     """
     spec = spec if spec is not None else sim.load_scenario(scenario.file)
     world = sim.World(_without_pictures(spec) if drawn and not on_frame and not feed else spec)
     driving = None if as_configured else Driving(profile, tuning)
     drivers = {robot.name: _coordinator(robot, driving, configure) for robot in scenario.robots}
+    ranging = {robot.name for robot in world.scenario.robots if robot.range_sensors is not None}
     answers: dict[str, coordinator.StepResult | None] = dict.fromkeys(drivers)
     rows: dict[str, list[tuple[Any, ...]]] = {name: [] for name in drivers}
     reported: dict[str, list[FrameReport]] = {name: [] for name in drivers}
@@ -81,6 +82,10 @@ def run_in_process(
         for robot in scenario.robots:
             frame = None if drawn else world.capture(robot.name)
             delivered = drawn.delivers() if drawn else frame is not None
+            if robot.name in ranging:
+                scan = world.ranges(robot.name)
+                if scan is not None:
+                    drivers[robot.name].set_ranges(scan, world.utime)
             if feed:
                 feed(world, robot.name, drivers[robot.name])
             if delivered:  # else there is no answer, and the wheels keep the last command

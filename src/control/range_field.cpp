@@ -1,0 +1,110 @@
+#include "pilotfish/control/range_field.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pilotfish/core/angles.hpp"
+#include "pilotfish/core/utime.hpp"
+
+namespace pilotfish::control {
+namespace {
+
+std::size_t sector_of(double direction_rad) noexcept {
+  const double turned = wrap_angle(direction_rad) / kSector_rad + static_cast<double>(kSectors) / 2.0;
+  return static_cast<std::size_t>(std::max(turned, 0.0)) % kSectors;
+}
+
+/// The pose `motion` ahead of `pose`.
+Pose2 composed(const Pose2& pose, const Pose2& motion) noexcept {
+  const double c = std::cos(pose.heading_rad), s = std::sin(pose.heading_rad);
+  return {pose.x_m + c * motion.x_m - s * motion.y_m, pose.y_m + s * motion.x_m + c * motion.y_m,
+          pose.heading_rad + motion.heading_rad};
+}
+
+/// Seen from `origin`, a disc at distance rho fills asin(r / rho) to both sides of its direction.
+bool explains(const Disc& disc, const Pose2& origin, double direction_rad, double half_rad, double range_m) noexcept {
+  const double x = disc.x_m - origin.x_m, y = disc.y_m - origin.y_m, rho = std::hypot(x, y);
+  if (rho <= disc.radius_m) return true;
+  const double off_rad = std::abs(wrap_angle(std::atan2(y, x) - direction_rad));
+  return off_rad <= half_rad + std::asin(disc.radius_m / rho) && range_m >= rho - disc.radius_m;
+}
+
+}  // namespace
+
+Pose2 motion_between(const Pose2& before, const Pose2& after) noexcept {
+  const double c = std::cos(before.heading_rad), s = std::sin(before.heading_rad);
+  const double x = after.x_m - before.x_m, y = after.y_m - before.y_m;
+  return {c * x + s * y, c * y - s * x, after.heading_rad - before.heading_rad};
+}
+
+bool ObstacleView::covers(double direction_rad, double half_rad) const noexcept {
+  const int steps = std::min(static_cast<int>(std::ceil(half_rad / kSector_rad)), static_cast<int>(kSectors) / 2);
+  for (int i = -steps; i <= steps; ++i)
+    if (!covered[sector_of(direction_rad + i * kSector_rad)]) return false;
+  return true;
+}
+
+/// A scan that was taken a little before or after the present: the robot was where it gets to, or came from, with its
+/// present twist. A direction without a reading keeps the one before, for as long as that is fresh.
+void RangeField::add(const RangeScan& scan, const Twist& own, std::int64_t present_utime) noexcept {
+  if (scan.ranges_m.size() != readings_.size()) {
+    readings_.clear();
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) readings_.push_back({});
+  }
+  const Pose2 taken_at = move_along_arc(here_, own, seconds_between(present_utime, scan.utime));
+  for (std::size_t i = 0; i < readings_.size(); ++i) {
+    const auto range_m = static_cast<double>(scan.ranges_m[i]);
+    if (range_m < 0.0) continue;
+    readings_[i] = {range_m, scan.first_rad + static_cast<double>(i) * scan.step_rad, taken_at, scan.utime};
+  }
+  utime_ = scan.utime;
+}
+
+void RangeField::moved(const Pose2& before, const Pose2& after) noexcept {
+  here_ = composed(here_, motion_between(before, after));
+}
+
+void RangeField::clear() noexcept { *this = RangeField{}; }
+
+bool RangeField::fresh_at(std::int64_t utime, double max_age_s) const noexcept {
+  return utime_ && seconds_between(*utime_, utime) <= max_age_s;
+}
+
+/// A cone's reading says that the nearest surface in it is so far away, and not where across it: the worst for whoever
+/// may pass there is everywhere, so the whole arc is a surface. Of each sector the nearest point counts.
+ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from,
+                              const Disc* explained) const noexcept {
+  std::array<double, kSectors> nearest_m;
+  nearest_m.fill(std::numeric_limits<double>::infinity());
+  std::array<SurfacePoint, kSectors> nearest{};
+  ObstacleView view;
+  const Pose2 there = composed(here_, from);
+  const double half_rad = std::max(model.cone_rad, kSector_rad) / 2.0;
+  const int steps = std::max(1, static_cast<int>(std::ceil(half_rad / kSector_rad)));
+  for (const Reading& reading : readings_) {
+    if (reading.range_m < 0.0 || seconds_between(reading.utime, utime) > model.max_age_s) continue;
+    const Pose2 origin = motion_between(there, reading.taken_at);
+    const bool is_known =
+        explained != nullptr &&
+        explains(*explained, origin, origin.heading_rad + reading.direction_rad, half_rad, reading.range_m);
+    for (int i = -steps; i <= steps; ++i) {
+      const double direction_rad = origin.heading_rad + reading.direction_rad + half_rad * i / steps;
+      view.covered.set(sector_of(direction_rad));
+      if (is_known || reading.range_m >= model.max_range_m) continue;
+      const SurfacePoint point{origin.x_m + reading.range_m * std::cos(direction_rad),
+                               origin.y_m + reading.range_m * std::sin(direction_rad)};
+      const double distance_m = std::hypot(point.x_m, point.y_m);
+      const std::size_t sector = sector_of(std::atan2(point.y_m, point.x_m));
+      if (!(distance_m < nearest_m[sector])) continue;
+      nearest_m[sector] = distance_m;
+      nearest[sector] = point;
+    }
+  }
+  for (std::size_t i = 0; i < kSectors; ++i)
+    if (std::isfinite(nearest_m[i])) view.points.push_back(nearest[i]);
+  return view;
+}
+
+}  // namespace pilotfish::control
