@@ -154,3 +154,14 @@ def test_a_configuration_gives_the_numbers_and_an_option_wins():
     assert (model.setpoint_m, model.noise_m) == (0.65, 0.001)
     assert model.period_s == pytest.approx(1 / 30)
     assert model.error_change_scale_m == pytest.approx(0.05)
+
+
+def test_a_configuration_with_a_headway_is_refused(tmp_path):
+    """Its setpoint changes with the leader's speed, so the proof would be of another law."""
+    text = data.path("config/circle.yaml").read_text().replace("../", f"{data.root()}/")
+    assert "control:\n" in text
+    config = tmp_path / "robot.yaml"
+    config.write_text(text.replace("control:\n", "control:\n  spacing: {headway_s: 0.3}\n", 1))
+    code, said, _ = run(SHIPPED, "--config", config)
+    assert code == 78
+    assert "control.spacing.headway_s is 0.3; the proof is of a setpoint that does not change" in said

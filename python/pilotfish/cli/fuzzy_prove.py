@@ -155,10 +155,9 @@ def _from_configuration(file: Path) -> dict[str, float]:
             f"{file}: control.velocity.input_sigmas is {law.velocity.input_sigmas:g}; the proof is of singleton "
             "inputs: set it to 0"
         )
-    headway_s = getattr(getattr(law, "spacing", None), "headway_s", 0.0)
-    if headway_s > 0.0:
+    if law.spacing.headway_s > 0.0:
         raise ConfigError(
-            f"{file}: control.spacing.headway_s is {headway_s:g}; the proof is of a setpoint that does not change: "
+            f"{file}: control.spacing.headway_s is {law.spacing.headway_s:g}; the proof is of a setpoint that does not change: "
             "set it to 0"
         )
     if law.profile.name != "paper":
