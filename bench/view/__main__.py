@@ -1,6 +1,6 @@
 """The robot in a browser: what the server costs, and how old a picture is when Chromium shows it.
 
-Takes: 2 minutes; half a minute with --quick.
+Takes: 6 minutes; half a minute with --quick.
 scripts/bench view
 scripts/bench view -- --quick
 """
@@ -21,12 +21,14 @@ import typer
 from measure import ages, load, page_of, viewing
 from rich.console import Console
 from rich.table import Table
+from tabs import PREVIEW_HZ, latencies_ms
 
 from bench.common.statistics import quantile
 
 console = Console(width=120)
 
 IDLE_GOAL, AGE_GOAL_MS = 0.03, 150.0
+TABS = 5
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ def main(
     quick: Annotated[bool, typer.Option("--quick", help="A few seconds of each: a look, not a result.")] = False,
     seconds: Annotated[float, typer.Option(min=1, help="So long the processor time is counted.")] = 20.0,
     pictures: Annotated[int, typer.Option(min=10, help="So many are followed from exposure to page.")] = 200,
+    tab_seconds: Annotated[float, typer.Option(min=1, help="Of each arm with and without pages.")] = 35.0,
     out: Annotated[Path, typer.Option(help="Folder for view.json.")] = Path("out"),
 ) -> None:
     """A real `pilotfish view` beside a process that sends a robot's messages and 640x480 pictures of a leader.
@@ -80,11 +83,29 @@ def main(
             ("[green]yes[/]" if met else "[red]no[/]") if condition.goal else "",
         )
     console.print(table)
+    commands = _commands(6.0 if quick else tab_seconds, 1 if quick else 3)
     console.print(f"goals: at most {IDLE_GOAL:.0%} of a core while nobody watches, p95 at most {AGE_GOAL_MS:g} ms")
     out.mkdir(parents=True, exist_ok=True)
     machine = f"{platform.processor() or platform.machine()}, {platform.system()} {platform.release()}"
-    (out / "view.json").write_text(json.dumps({"machine": machine, "cores": os.cpu_count(), "rows": rows}) + "\n")
+    (out / "view.json").write_text(
+        json.dumps({"machine": machine, "cores": os.cpu_count(), "rows": rows, **commands}) + "\n"
+    )
     console.print(f"wrote {out / 'view.json'}")
+
+
+def _commands(seconds: float, rounds: int) -> dict[str, dict[int, list[float]]]:
+    """The coordinator beside the server: real programs in real time, arms in turn so that a slow minute meets both."""
+    arms: dict[int, list[float]] = {0: [], TABS: []}
+    for _ in range(rounds):
+        for tabs, taken in arms.items():
+            taken += latencies_ms(tabs, seconds)
+    table = Table(title=f"picture to command, {PREVIEW_HZ:g} previews a second", title_justify="left")
+    for column in ("pages", "commands", "p50 [ms]", "p99", "p99.9", "max"):
+        table.add_column(column, justify="right")
+    for tabs, taken in arms.items():
+        table.add_row(str(tabs), str(len(taken)), *(f"{quantile(taken, q):.2f}" for q in (0.5, 0.99, 0.999, 1.0)))
+    console.print(table)
+    return {"command_ms": arms}
 
 
 if __name__ == "__main__":
