@@ -192,13 +192,15 @@ class _Handout:
 
     def played(self) -> Iterator[Played]:
         while self.waiting or self.out:
-            self._hand_out()
             if self.stopping():
                 return
+            if not self._connected():  # whatever is asked of a scheduler that is gone may wait for ever
+                time.sleep(_POLL_S)
+                continue
+            self._hand_out()
             try:
                 key = self.ready.get(timeout=_POLL_S)
             except queue.Empty:
-                self._check_connection()
                 continue
             if key in self.out:
                 yield from self._answer(*self.out.pop(key))
@@ -213,12 +215,15 @@ class _Handout:
             self.out[future.key] = (future, specs)
             future.add_done_callback(lambda done: self.ready.put(done.key))
 
-    def _check_connection(self) -> None:
+    def _connected(self) -> bool:
+        """Whether there is a scheduler just now. CampaignError if it does not come back."""
         now_s = time.monotonic()
         if self.client.status == "running":
             self.connected_s = now_s
-        elif self.client.status == "closed" or now_s - self.connected_s > _GONE_S:
+            return True
+        if self.client.status == "closed" or now_s - self.connected_s > _GONE_S:
             raise CampaignError(_GONE)
+        return False
 
     def _answer(self, future: Any, specs: Sequence[RunSpec]) -> Iterator[Played]:
         """What is finished may be lost before it is here, with the worker that has it: then it is done once more. Only
@@ -233,7 +238,6 @@ class _Handout:
         if answer is not None:
             yield answer
             return
-        self._check_connection()
         self.lost += 1
         if self.lost > _MOST_LOST:
             raise CampaignError(_GONE)
