@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from probe import Probe
+from spy_probe import Probe
 from spy_screen import JARS, Screen, skip_unless, virtual_screen
 
 

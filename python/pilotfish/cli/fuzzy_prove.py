@@ -157,8 +157,8 @@ def _from_configuration(file: Path) -> dict[str, float]:
         )
     if law.spacing.headway_s > 0.0:
         raise ConfigError(
-            f"{file}: control.spacing.headway_s is {law.spacing.headway_s:g}; the proof is of a setpoint that does not change: "
-            "set it to 0"
+            f"{file}: control.spacing.headway_s is {law.spacing.headway_s:g}; the proof is of a setpoint that does not "
+            "change: set it to 0"
         )
     if law.profile.name != "paper":
         warn(f"{file} says profile {law.profile.name}; what is proved of following is proved of profile paper")
