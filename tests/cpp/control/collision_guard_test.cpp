@@ -16,8 +16,8 @@ Gap gap(double distance_m, double leaving_mps = 0.0, double bearing_rad = 0.0) {
 Reaction reaction() { return {LimitsConfig{}, 0.1, 0.1}; }
 
 TEST(CollisionGuard, GivesBackWhatIsMissingToTheShortestDistanceWithinHalfASecond) {
-  // d_min is 0.45 m. At 0.35 m a tenth is missing: 0.1 / 0.5 = 0.2 m/s back, and as much more as the leader comes; while
-  // it comes with 0.1 m/s the wheels' lag of 0.1 s takes another 0.01 m.
+  // d_min is 0.45 m. At 0.35 m a tenth is missing: 0.1 / 0.5 = 0.2 m/s back, and as much more as the leader comes;
+  // while it comes with 0.1 m/s the wheels' lag of 0.1 s takes another 0.01 m.
   EXPECT_NEAR(guarded_speed({}, reaction(), gap(0.35)), -0.2, 1e-12);
   EXPECT_NEAR(guarded_speed({}, reaction(), gap(0.35, -0.1)), -0.22 - 0.1, 1e-12);
   EXPECT_NEAR(guarded_speed({}, reaction(), gap(0.35, 0.1)), -0.2, 1e-12);  // it leaves: that may end at any time
