@@ -57,7 +57,8 @@ def run_in_process(
 
     ``profile`` is anything that can drive (see Driving). ``spec`` is another version of the scenario's world: another
     seed, other imperfections. ``configure`` is applied last to each coordinator's configuration. With ``drawn``
-    nothing is rendered: measurements are drawn. A robot's range sensors are fed to its coordinator. ``feed`` is called before each step, with the robot's name: it
+    nothing is rendered: measurements are drawn. A robot's range sensors are fed to its coordinator.
+    ``feed`` is called before each step, with the robot's name: it
     supplies the coordinator's other inputs, such as odometry.
     """
     world = sim.World(spec if spec is not None else sim.load_scenario(scenario.file))
