@@ -75,15 +75,16 @@ class Loop {
     // Of two that begin together, the one with the smaller number stays.
     if (age_us < kListenFirst_us || (age_us < kYoung_us && report.session < base_.session())) another_ = true;
   }
+  /// Only these two statuses may move a robot, whatever else the message says; and a search for the leader may turn it
+  /// in place.
+  static Twist movable(const bus::CommandReport& report) {
+    if (report.status == Status::tracking || report.status == Status::coasting) return report.command;
+    const bool searches = report.status == Status::lost && report.reason == Reason::turning_to_search;
+    return searches ? Twist{0.0, report.command.angular_radps} : Twist{};
+  }
   void receive(const bus::CommandReport& report) {
-    // Only these two statuses may move a robot, whatever else the message says.
-    const bool may_move = report.status == Status::tracking || report.status == Status::coasting;
-    const base::ReceivedCommand command{report.session,
-                                        report.counter,
-                                        report.base_session,
-                                        {report.valid_until_us},
-                                        may_move ? report.command : Twist{},
-                                        report.simulated};
+    const base::ReceivedCommand command{report.session,          report.counter,  report.base_session,
+                                        {report.valid_until_us}, movable(report), report.simulated};
     if (base_.receive(command, bus_.arrival(), monotonic_now()) != base::CommandVerdict::accepted) return;
     fresh_ = true;
     ++accepted_;

@@ -57,8 +57,8 @@ def main(
                 report.append({"obstacles": obstacles, "avoidance": avoid, "worlds": [_plain(each) for each in found]})
     console.print(table)
     console.print(
-        f"kept again: d within 50 mm and theta within 5 degrees for good, {SETTLE_S:g} s after the last obstacle at most; "
-        f"goals: no collision, {GOAL_KEPT:.0%} kept. clearance: the least of all, from outline to outline. "
+        f"kept again: d within 50 mm and theta within 5 degrees for good, {SETTLE_S:g} s after the last obstacle at "
+        f"most; goals: no collision, {GOAL_KEPT:.0%} kept. clearance: the least of all, from outline to outline. "
         "settled: after the last obstacle."
     )
     out.mkdir(parents=True, exist_ok=True)

@@ -112,8 +112,9 @@ PYBIND11_MODULE(core, m) {
   m.attr("MAX_BEARING_RAD") = kMaxBearing_rad;  // of a setpoint, to either side
   bind_session_guard(m);
 
-  py::enum_<Status> status(m, "Status",
-                           "What the coordinator is doing; only tracking and coasting may move the robot.");
+  py::enum_<Status> status(
+      m, "Status",
+      "What the coordinator is doing; only tracking and coasting may move the robot, and lost may turn it in place.");
   for (Status value :
        {Status::searching, Status::tracking, Status::coasting, Status::lost, Status::stopped, Status::invalid_input})
     status.value(std::string(to_string(value)).c_str(), value);

@@ -18,7 +18,7 @@ constexpr double kSidewards_rad = radians(90.0);  // the law drives ahead, never
 constexpr double kPreview_m = 0.4;                // after which the line of sight is looked at
 constexpr double kGentle = 0.3;                   // of the drive's acceleration
 constexpr double kStands_mps = 0.01;              // slower is standing
-constexpr double kTurnCost = 0.35, kSwitchCost = 0.15, kSightCost = 0.5, kNearCost = 1.0;  // over that of a blocked way
+constexpr double kTurnCost = 0.35, kSwitchCost = 0.15, kSightCost = 0.5, kNearCost = 2.0;  // over that of a blocked way
 
 double distance_m(const SurfacePoint& a, const SurfacePoint& b) noexcept {
   return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m);
@@ -113,14 +113,14 @@ fuzzy::Controller avoidance_rules() {
   rules.rules.columns = fuzzy::kPaperColumns;
   rules.rules.consequents = {
       // far ...            ... near
-      ZE, NS, NM, NM, NB, NB, NB,  // far to the right
-      ZE, NS, NS, NM, NM, NB, NB,  //
-      ZE, ZE, NS, NS, NM, NM, NM,  //
-      ZE, ZE, ZE, NS, NS, NS, NS,  // just to the right
-      ZE, ZE, ZE, PS, PS, PS, PS,  // just to the left
-      ZE, ZE, PS, PS, PM, PM, PM,  //
-      ZE, PS, PS, PM, PM, PB, PB,  //
-      ZE, PS, PM, PM, PB, PB, PB,  // far to the left
+      ZE, NM, NB, NB, NB, NB, NB,  // far to the right
+      ZE, NS, NM, NM, NB, NB, NB,  //
+      ZE, NS, NS, NS, NM, NM, NM,  //
+      ZE, ZE, NS, NS, NS, NS, NS,  // just to the right
+      ZE, ZE, PS, PS, PS, PS, PS,  // just to the left
+      ZE, PS, PS, PS, PM, PM, PM,  //
+      ZE, PS, PM, PM, PB, PB, PB,  //
+      ZE, PM, PB, PB, PB, PB, PB,  // far to the left
   };
   fuzzy::validate(rules);
   return rules;
@@ -170,7 +170,8 @@ Setpoint Avoidance::steer(const ObstacleView& view, const Observation& observati
     double best = cost(wanted_rad);
     const int steps = static_cast<int>(std::ceil(2.0 * kSidewards_rad / kFan_rad));
     for (int i = 2; i < 2 * steps; ++i) {  // to both sides of the wanted one
-      const double direction_rad = wanted_rad + (i % 2 == 0 ? 1.0 : -1.0) * static_cast<double>(i / 2) * kFan_rad;
+      const int away = i / 2;
+      const double direction_rad = wanted_rad + (i % 2 == 0 ? away : -away) * kFan_rad;
       if (direction_rad < least || direction_rad > greatest) continue;
       const double here = cost(direction_rad);
       if (here >= best) continue;

@@ -23,12 +23,17 @@ Pose2 composed(const Pose2& pose, const Pose2& motion) noexcept {
           pose.heading_rad + motion.heading_rad};
 }
 
-/// Seen from `origin`, a disc at distance rho fills asin(r / rho) to both sides of its direction.
+/// Whether a disc stands in the cone of a reading, and no nearer than it. Its nearest point in the cone lies towards
+/// its centre, at rho - r; if that direction is outside the cone by delta, on the cone's edge, a ray that passes the
+/// centre at rho sin(delta) and enters at rho cos(delta) - sqrt(r^2 - rho^2 sin^2(delta)), if at all.
 bool explains(const Disc& disc, const Pose2& origin, double direction_rad, double half_rad, double range_m) noexcept {
-  const double x = disc.x_m - origin.x_m, y = disc.y_m - origin.y_m, rho = std::hypot(x, y);
-  if (rho <= disc.radius_m) return true;
-  const double off_rad = std::abs(wrap_angle(std::atan2(y, x) - direction_rad));
-  return off_rad <= half_rad + std::asin(disc.radius_m / rho) && range_m >= rho - disc.radius_m;
+  const double x = disc.x_m - origin.x_m, y = disc.y_m - origin.y_m, rho = std::hypot(x, y), r = disc.radius_m;
+  if (rho <= r) return true;
+  const double off_rad = std::abs(wrap_angle(std::atan2(y, x) - direction_rad)) - half_rad;
+  if (off_rad <= 0.0) return range_m >= rho - r;
+  const double across_m = rho * std::sin(off_rad);
+  if (off_rad >= kPi / 2.0 || across_m > r) return false;
+  return range_m >= rho * std::cos(off_rad) - std::sqrt(r * r - across_m * across_m);
 }
 
 }  // namespace

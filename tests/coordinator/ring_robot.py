@@ -24,8 +24,8 @@ def settings(**sections):
 
 
 def ring(utime, surfaces=(), free_m=3.0):
-    """What 24 sonars of 15 degrees read; surfaces: (direction [rad], range [m]) of points, each read by the sensor whose
-    cone it is in."""
+    """What 24 sonars of 15 degrees read; surfaces: (direction [rad], range [m]) of points, each read by the sensor
+    whose cone it is in."""
     ranges = [free_m] * SENSORS
     for direction_rad, range_m in surfaces:
         sensor = int((math.degrees(direction_rad) % 360 + 180) % 360 // 15)
@@ -33,7 +33,7 @@ def ring(utime, surfaces=(), free_m=3.0):
     return core.RangeScan(utime=utime, first_rad=math.radians(-172.5), step_rad=math.radians(15.0), ranges_m=ranges)
 
 
-def leader_at(utime, distance_m=1.1, bearing_rad=math.radians(-15.0), heading_rad=0.0):
+def leader_at(utime, distance_m=1.1, bearing_rad=-math.pi / 12, heading_rad=0.0):
     return core.Observation(utime=utime, distance_m=distance_m, bearing_rad=bearing_rad, heading_rad=heading_rad)
 
 

@@ -12,10 +12,11 @@ from pilotfish.harness.over_lcm import run_over_lcm
 
 
 def one_in_the_way(content):
-    """A low one where robot1 would drive: its path is 0.285 m to the left of the leader's."""
+    """A low one beside robot1's path, which is 0.285 m to the left of the leader's: 0.265 m between middles, and 0.40 m
+    of radii."""
     del content["obstacle_field"]
-    content["obstacles"] = [{"x_m": 0.1, "y_m": 0.25, "radius_m": 0.15, "height_m": 0.12}]
-    content["duration_s"] = 6.0
+    content["obstacles"] = [{"x_m": -0.1, "y_m": 0.55, "radius_m": 0.15, "height_m": 0.12}]
+    content["duration_s"] = 5.0
 
 
 def test_the_programs_pass_an_obstacle_as_the_same_code_in_one_process(tmp_path):
@@ -31,8 +32,9 @@ def test_the_programs_pass_an_obstacle_as_the_same_code_in_one_process(tmp_path)
     assert outside.command_linear_mps == pytest.approx(inside.command_linear_mps, abs=1e-4)
     assert outside.command_angular_radps == pytest.approx(inside.command_angular_radps, abs=1e-3)
     assert min(clearance_m) > 0.0
-    # Without avoidance it would go straight at it: the obstacle is 0.03 m beside its path, and both are wide.
-    assert np.max(np.abs(inside.y_m - inside.y_m[0])) > 0.1
+    # It has gone past, farther to the right than the 0.135 m that were missing.
+    assert inside.x_m[-1] > 0.0
+    assert np.min(inside.y_m) < inside.y_m[0] - 0.135
 
 
 def test_without_ranges_the_robot_stands_and_says_why(tmp_path):

@@ -40,7 +40,7 @@ struct AvoidanceConfig {
   PILOTFISH_PARAMETER(double, sight_m, 0.2, 0.0, 2.0,
                       "obstacles are kept so far from the line of sight to the leader, where that is possible");
   PILOTFISH_PARAMETER(
-      double, leader_radius_m, 0.35, 0.0, 5.0,
+      double, leader_radius_m, 0.30, 0.0, 5.0,
       "of the circle around the leader's base origin that contains it: what the ranges show of it is not "
       "passed, but never run into");
   PILOTFISH_PARAMETER(double, creep_mps, 0.08, 0.0, 5.0,

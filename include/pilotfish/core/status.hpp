@@ -9,7 +9,7 @@
 PILOTFISH_API_BEGIN
 namespace pilotfish {
 
-/// What the coordinator is doing. Exactly one holds at any time; only `tracking` and `coasting` may move the robot.
+/// What the coordinator is doing, always one of these. `tracking` and `coasting` may move it, `lost` turn it in place.
 enum class Status {
   searching,      ///< running, the leader has not been seen since the start (or since a stop)
   tracking,       ///< the leader was measured in this very frame and the law drives

@@ -83,7 +83,9 @@ def world_spec(seed: int, count: int, clear_m: float = CLEAR_M) -> sim.Scenario:
 
 
 def play(
-    spec: sim.Scenario, configure: Callable[[coordinator.CoordinatorConfig], None] | None = None, profile: str = "anticipate"
+    spec: sim.Scenario,
+    configure: Callable[[coordinator.CoordinatorConfig], None] | None = None,
+    profile: str = "anticipate",
 ) -> Track:
     """One run of robot1 in that world, with drawn measurements and the sonars of the world."""
     robot = spec.robot("robot1")
@@ -142,11 +144,8 @@ def judge(seed: int, track: Track) -> Outcome:
     wrong = (np.abs(track.distance_error_m) > DISTANCE_TOLERANCE_M) | (
         np.abs(track.bearing_error_rad) > BEARING_TOLERANCE_RAD
     )
-    last = np.flatnonzero(wrong)
-    if wrong[-1]:
-        settled_s = math.inf
-    else:
-        settled_s = max(0.0, float(track.time_s[last[-1]] - left_s)) if last.size else 0.0
+    last_wrong_s = float(track.time_s[np.flatnonzero(wrong)[-1]]) if wrong.any() else 0.0
+    settled_s = math.inf if wrong[-1] else max(0.0, last_wrong_s - left_s)
     seen = np.array([status == "tracking" for status in track.status])
     if clearance_m < 0.0:
         ending = Ending.COLLIDED

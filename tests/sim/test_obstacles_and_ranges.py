@@ -9,6 +9,8 @@ from pilotfish import core, sim
 from pilotfish import data as shipped
 from pilotfish.errors import ConfigError
 
+CONFIG = shipped.path("config/obstacles.yaml")
+
 
 def scenario(**changes):
     spec = sim.load_scenario(shipped.path("scenarios/obstacles.yaml"))
@@ -63,7 +65,7 @@ def test_a_cone_reads_the_nearest_point_within_it():
         across = np.abs(y_m * np.cos(rays) - x_m * np.sin(rays))
         met = (across < radius_m) & (along > 0.0)
         expected_m = np.min(along[met] - np.sqrt(radius_m**2 - across[met] ** 2), initial=3.0)
-        # Two rays are 0.26 mrad apart. Where a ray only grazes the surface, depth changes with the root of the angle: by
+        # Two rays are 0.26 mrad apart. Where a ray only grazes the surface, depth changes with the root of the angle:
         # sqrt(2 R rho dphi) = sqrt(2 * 0.4 * 2.2 * 0.26e-3) = 0.02 m at most.
         scan = scan_at_origin(sensors, cylinder(x_m, y_m, radius_m))
         assert scan.ranges_m[0] == pytest.approx(expected_m, abs=0.03)
@@ -120,7 +122,9 @@ def test_what_is_drawn_hides_what_the_geometry_says():
     middle = ((robot.x_m + leader.x_m) / 2, (robot.y_m + leader.y_m) / 2)
     for obstacle in (cylinder(*middle, 0.15, 0.5), cylinder(*middle, 0.15, 0.1), cylinder(middle[0], middle[1] - 0.6)):
         world = sim.World(scenario(obstacles=[obstacle]))
-        driver = coordinator.Coordinator(coordinator.load_coordinator(shipped.path("config/obstacles.yaml")).coordinator)
+        driver = coordinator.Coordinator(
+            coordinator.load_coordinator(shipped.path("config/obstacles.yaml")).coordinator
+        )
         frame = world.capture("robot1")
         seen = driver.step(frame, frame.utime).observation is not None
         assert seen == world.leader_in_sight("robot1")
