@@ -1,4 +1,4 @@
-"""Obstacles passed while following, in seeded worlds: collisions, and how soon the formation is kept again.
+"""Obstacles passed while following: collisions, time until the formation is kept again.
 
 Takes: 20 minutes; 1 with --quick.
 scripts/bench obstacles

@@ -31,11 +31,11 @@ FINGERPRINTS = {
     # The black box's.
     types.box_file_t: "4e4221d2ef4c9661",
     types.box_start_t: "a98e56efd1204535",
-    types.held_t: "2687693b510791cf",
+    types.held_t: "11a6014e4fc98079",
     types.measured_tag_t: "90538cba87c4df6d",
     types.measurement_t: "83fca08184d3e5e6",
-    types.sent_t: "2f14673366e8751d",
-    types.step_t: "6e44648874378275",
+    types.sent_t: "05519759646c5271",
+    types.step_t: "f1e004675e73b041",
 }
 
 

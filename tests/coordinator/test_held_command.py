@@ -18,6 +18,7 @@ INVALID = {
     Reason.frame_time_implausible,
     Reason.frame_stale,
     Reason.camera_frozen,
+    Reason.ranges_not_fresh,
     Reason.another_coordinator,
     Reason.internal_error,
 }

@@ -86,7 +86,7 @@ WRONG = [
     (("run", "BAD"), 78, "bad.yaml: spacing_m: is missing"),
     (("expand", "BAD", "--out", "BAD"), 74, "is what is read"),
     (("stability", "--frequency-hz", "nan"), 64, "--frequency-hz: nan is not a number from 0.005 to 5 Hz"),
-    (("stability", "--headway-s", "-1"), 64, "--headway-s: -1.0 is not a number from 0 to 10 s"),
+    (("stability", "--headway-s", "-1"), 64, "--headway-s: -1.0 is not a number from 0 to 3 s"),
     (("stability", "--amplitude-mps", "0.5"), 64, "less than the speed"),
     (("stability", "--law", "bogus"), 64, "bogus"),
     (("stability", "--spacing-m", "0.3"), 78, "spacing_m: .* allowed: 0.61 m"),

@@ -61,6 +61,7 @@ def test_a_folder_lists_its_files():
         "leaders/single_tag.yaml",
         "leaders/three_faces.yaml",
         "leaders/three_faces_second.yaml",
+        "leaders/three_faces_third.yaml",
     ]
 
 

@@ -68,13 +68,20 @@ def test_no_two_named_lines_of_an_axes_look_the_same(which):
         assert len(set(looks)) == len(looks)
 
 
+def seen_colour(line):
+    """The caps of error bars are markers without a line, whose own colour nobody sees."""
+    return line.get_markeredgecolor() if line.get_linestyle() == "None" else line.get_color()
+
+
 def test_what_has_no_name_is_gray_or_a_mark_of_a_named_line():
     for which in DRAW:
         for axes in drawn(which).axes:
             named = {line.get_color() for line in axes.lines if not line.get_label().startswith("_")}
+            bars = [each for each in axes.containers if not each.get_label().startswith("_")]
+            named |= {each.lines[0].get_color() for each in bars if hasattr(each, "lines") and each.lines[0]}
             unnamed = [line for line in axes.lines if line.get_label().startswith("_")]
             ours = {LIGHT.guide, LIGHT.ink, LIGHT.measured}  # ink and orange: the explained inputs and output
-            assert all(line.get_color() in ours | named for line in unnamed), which
+            assert all(seen_colour(line) in ours | named for line in unnamed), which
 
 
 def test_the_legend_names_the_laws_as_readme_does():

@@ -133,7 +133,7 @@ class Traffic:
 
 
 CHANNELS = ["COMMAND", "IMAGE", "MOTION", "OBSERVATION", "POSE", "SETPOINT", "STATUS"]  # as the table sorts them
-TYPES = {"bot_core": 3, "pilotfish": 16}
+TYPES = {"bot_core": 4, "pilotfish": 16}
 
 
 def test_every_channel_shows_its_decoded_fields(tmp_path, screen, monkeypatch):

@@ -77,7 +77,7 @@ struct AvoidanceOutput {
 /// because the shift ends where it would leave it.
 class Avoidance {
  public:
-  explicit Avoidance(const AvoidanceConfig& config);
+  explicit Avoidance(const AvoidanceConfig& config);  ///< nothing has been passed yet
 
   /// Where the leader was measured and how large it may be: what the ranges show of it is not to be passed.
   Disc leader(const Observation& observation) const noexcept;

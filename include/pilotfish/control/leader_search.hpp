@@ -38,7 +38,7 @@ struct SearchOutput {
 /// max_retries times. Headings in any frame that stays.
 class LeaderSearch {
  public:
-  explicit LeaderSearch(const SearchConfig& config) : config_(config) {}
+  explicit LeaderSearch(const SearchConfig& config) : config_(config) {}  ///< no leader was seen yet
 
   /// The leader was measured at utime [us], in that direction.
   void seen(std::int64_t utime, double direction_rad) noexcept;
