@@ -11,6 +11,8 @@
 namespace pilotfish::control {
 namespace {
 
+constexpr double kWithin = 1.0 - 1e-6;  // the edge of a cone that is the border of two sectors is in the cone's own
+
 std::size_t sector_of(double direction_rad) noexcept {
   const double turned = wrap_angle(direction_rad) / kSector_rad + static_cast<double>(kSectors) / 2.0;
   return static_cast<std::size_t>(std::max(turned, 0.0)) % kSectors;
@@ -78,12 +80,12 @@ bool RangeField::fresh_at(std::int64_t utime, double max_age_s) const noexcept {
 }
 
 /// A cone's reading says that the nearest surface in it is so far away, and not where across it: the worst for whoever
-/// may pass there is everywhere, so the whole arc is a surface. Of each sector the nearest point counts.
+/// may pass there is everywhere, so the whole arc is a surface. Of each sector the nearest distance counts, in its
+/// middle: that is a degree off at most, and a mirrored world stays one.
 ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime, const Pose2& from,
                               const Disc* explained) const noexcept {
   std::array<double, kSectors> nearest_m;
   nearest_m.fill(std::numeric_limits<double>::infinity());
-  std::array<SurfacePoint, kSectors> nearest{};
   ObstacleView view;
   const Pose2 there = composed(here_, from);
   const double half_rad = std::max(model.cone_rad, kSector_rad) / 2.0;
@@ -95,20 +97,20 @@ ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime
         explained != nullptr &&
         explains(*explained, origin, origin.heading_rad + reading.direction_rad, half_rad, reading.range_m);
     for (int i = -steps; i <= steps; ++i) {
-      const double direction_rad = origin.heading_rad + reading.direction_rad + half_rad * i / steps;
+      const double direction_rad = origin.heading_rad + reading.direction_rad + kWithin * half_rad * i / steps;
       view.covered.set(sector_of(direction_rad));
       if (is_known || reading.range_m >= model.max_range_m) continue;
       const SurfacePoint point{origin.x_m + reading.range_m * std::cos(direction_rad),
                                origin.y_m + reading.range_m * std::sin(direction_rad)};
-      const double distance_m = std::hypot(point.x_m, point.y_m);
-      const std::size_t sector = sector_of(std::atan2(point.y_m, point.x_m));
-      if (!(distance_m < nearest_m[sector])) continue;
-      nearest_m[sector] = distance_m;
-      nearest[sector] = point;
+      double& nearest = nearest_m[sector_of(std::atan2(point.y_m, point.x_m))];
+      nearest = std::min(nearest, std::hypot(point.x_m, point.y_m));
     }
   }
-  for (std::size_t i = 0; i < kSectors; ++i)
-    if (std::isfinite(nearest_m[i])) view.points.push_back(nearest[i]);
+  for (std::size_t i = 0; i < kSectors; ++i) {
+    if (!std::isfinite(nearest_m[i])) continue;
+    const double middle_rad = (static_cast<double>(i) + 0.5) * kSector_rad - kPi;
+    view.points.push_back({nearest_m[i] * std::cos(middle_rad), nearest_m[i] * std::sin(middle_rad)});
+  }
   return view;
 }
 

@@ -108,20 +108,20 @@ def test_an_obstacle_ahead_on_one_side_is_passed_on_the_other():
 
 def test_a_mirrored_world_gives_the_mirrored_command():
     random = np.random.default_rng(4)
+    config = settings()
+    config.camera = coordinator.load_calibration(shipped.path("calibrations/ideal_640x480.yaml"))  # centred
     for _ in range(20):
         surfaces = [(random.uniform(-1.5, 1.5), random.uniform(0.4, 1.5)) for _ in range(3)]
         bearing_rad, heading_rad = random.uniform(-0.2, 0.2, 2)
         commands = []
         for side in (1.0, -1.0):
-            robot = Robot()
+            robot = Robot(config)
             robot.core.set_setpoint(core.Setpoint(distance_m=1.1, bearing_rad=side * 0.1))
             mirrored = [(side * direction_rad, range_m) for direction_rad, range_m in surfaces]
             how = {"bearing_rad": side * bearing_rad, "heading_rad": side * heading_rad, "distance_m": 1.4}
             commands.append(robot.steps(8, surfaces=mirrored, **how)[-1].command)
-        # A point on the border of two sectors of 2 degrees belongs to the left one, whichever side it is on: it may
-        # hide another one there, or not, which with a gain of 6 per second is some hundredths of a radian per second.
-        assert commands[0].linear_mps == pytest.approx(commands[1].linear_mps, abs=0.01)
-        assert commands[0].angular_radps == pytest.approx(-commands[1].angular_radps, abs=0.05)
+        assert commands[0].linear_mps == pytest.approx(commands[1].linear_mps, abs=1e-6)
+        assert commands[0].angular_radps == pytest.approx(-commands[1].angular_radps, abs=1e-6)
 
 
 def test_the_leader_is_no_obstacle_to_be_passed():
