@@ -27,13 +27,13 @@ inline void bind_guard(py::module_& m) {
            py::kw_only(), py::arg("distance_m"), py::arg("bearing_rad") = 0.0, py::arg("distance_sigma_m") = 0.0,
            py::arg("own_mps") = 0.0, py::arg("set_mps") = 0.0, py::arg("leaving_mps") = 0.0,
            "distance_m [m] to where the leader was at the exposure, at bearing_rad [rad]; distance_sigma_m [m]: its "
-           "standard deviation; own_mps [m/s]: the robot's real speed along the line of sight; set_mps [m/s]: "
+           "standard deviation; own_mps [m/s]: the robot's real speed, as if it led to the leader; set_mps [m/s]: "
            "its drive's set value; leaving_mps [m/s]: the "
            "leader's speed away, negative if it comes.")
       .def_readwrite("distance_m", &Gap::distance_m, "to where the leader was at the exposure [m]")
       .def_readwrite("bearing_rad", &Gap::bearing_rad, "of that place [rad]")
       .def_readwrite("distance_sigma_m", &Gap::distance_sigma_m, "standard deviation of the distance [m]")
-      .def_readwrite("own_mps", &Gap::own_mps, "the robot's real speed along the line of sight then [m/s]")
+      .def_readwrite("own_mps", &Gap::own_mps, "the robot's real speed then, as if it led to the leader [m/s]")
       .def_readwrite("set_mps", &Gap::set_mps, "its drive's set value [m/s]")
       .def_readwrite("leaving_mps", &Gap::leaving_mps, "the leader's speed away [m/s]; negative: it comes");
   m.def("guarded_speed", &guarded_speed, py::arg("config"), py::arg("reaction"), py::arg("gap"),

@@ -55,9 +55,11 @@ double guarded_speed(const GuardConfig& config, const Reaction& reaction, const 
   return (falling >= slowed ? falling : 0.0) - closing_mps;
 }
 
-/// A forward speed v has the part v cos(theta) along the line of sight.
+/// A forward speed v has the part v cos(theta) along the line of sight. Forward it counts as if all of it led to the
+/// leader: the robot may turn to it while it brakes, and cos(theta) grow to 1. To recede it takes 1 / cos(theta) of it.
 double guarded_forward_speed(const GuardConfig& config, const Reaction& reaction, const Gap& gap) noexcept {
-  return forward_speed(guarded_speed(config, reaction, gap), gap.bearing_rad);
+  const double speed_mps = guarded_speed(config, reaction, gap);
+  return speed_mps > 0.0 ? speed_mps : forward_speed(speed_mps, gap.bearing_rad);
 }
 
 }  // namespace pilotfish::control

@@ -302,8 +302,8 @@ Gap Follower::gap(const Observation& observation) const noexcept {
       leader.radial_mps > 0.0 ? std::max(leader.radial_mps - sigmas * leader.radial_sigma_mps, 0.0) : leader.radial_mps;
   gap.distance_m = std::hypot(x, y) + std::min(gap.leaving_mps, 0.0) * seconds_between(observation.utime, acts);
   gap.distance_sigma_m = std::max(leader.distance_sigma_m, std::sqrt(std::max(observation.covariance(0, 0), 0.0)));
-  gap.own_mps = then.twist().linear_mps * std::cos(gap.bearing_rad);
-  gap.set_mps = then.set_value().linear_mps * std::cos(gap.bearing_rad);
+  gap.own_mps = then.twist().linear_mps;
+  gap.set_mps = then.set_value().linear_mps;
   return gap;
 }
 

@@ -35,7 +35,7 @@ struct Gap {
   double distance_m = 0.0;        ///< to where the leader was at the exposure; less what it has come nearer since
   double bearing_rad = 0.0;       ///< of that place
   double distance_sigma_m = 0.0;  ///< standard deviation of the distance
-  double own_mps = 0.0;           ///< the robot's real speed along the line of sight then
+  double own_mps = 0.0;           ///< the robot's real speed then, as if it led to the leader
   double set_mps = 0.0;           ///< and its drive's set value, which follows a command with the acceleration
   double leaving_mps = 0.0;       ///< the leader's speed away, as surely as it is known; below 0: it comes
 };

@@ -35,20 +35,27 @@ TEST(CollisionGuard, CountsTheBrakingOfALeaderThatCannotStopDead) {
   EXPECT_NEAR(guarded_speed(config, reaction(), gap(1.0, -0.4)), guarded_speed({}, reaction(), gap(1.0, -0.4)), 1e-12);
 }
 
-TEST(CollisionGuard, AllowsForwardAsMuchAsLeadsTowardsTheLeader) {
-  // Of a forward speed v cos(bearing) is in the line of sight: at 60 degrees half of it. Beside the robot, where none
-  // is, it counts as if three tenths were; behind it, too.
-  for (const double distance_m : {0.3, 1.1}) {
-    const double straight = guarded_speed({}, reaction(), gap(distance_m));
-    EXPECT_NEAR(guarded_forward_speed({}, reaction(), gap(distance_m)), straight, 1e-12);
-    for (const double side : {-1.0, 1.0}) {
-      const auto forward = [&](double bearing_rad) {
-        return guarded_forward_speed({}, reaction(), gap(distance_m, 0.0, side * bearing_rad));
-      };
-      EXPECT_NEAR(forward(radians(60.0)), straight / 0.5, 1e-12);
-      EXPECT_NEAR(forward(radians(90.0)), straight / 0.3, 1e-12);
-      EXPECT_NEAR(forward(radians(150.0)), straight / 0.3, 1e-12);
-    }
+TEST(CollisionGuard, AllowsForwardAtAnyBearingWhatItAllowsStraightAhead) {
+  // The robot may turn to the leader while it brakes.
+  const double straight = guarded_speed({}, reaction(), gap(1.1));
+  EXPECT_GT(straight, 0.0);
+  for (const double bearing_rad : {0.0, 0.5, -1.0, 1.5, 3.0})
+    EXPECT_EQ(guarded_forward_speed({}, reaction(), gap(1.1, 0.0, bearing_rad)), straight);
+}
+
+TEST(CollisionGuard, RecedesFasterFromALeaderAtABearing) {
+  // Of a speed v cos(bearing) is in the line of sight: at 60 degrees half of it. Beside the robot, where none is, it
+  // counts as if three tenths were; behind it, too.
+  const double straight = guarded_speed({}, reaction(), gap(0.3));
+  EXPECT_LT(straight, 0.0);
+  for (const double side : {-1.0, 1.0}) {
+    const auto forward = [&](double bearing_rad) {
+      return guarded_forward_speed({}, reaction(), gap(0.3, 0.0, side * bearing_rad));
+    };
+    EXPECT_NEAR(forward(0.0), straight, 1e-12);
+    EXPECT_NEAR(forward(radians(60.0)), straight / 0.5, 1e-12);
+    EXPECT_NEAR(forward(radians(90.0)), straight / 0.3, 1e-12);
+    EXPECT_NEAR(forward(radians(150.0)), straight / 0.3, 1e-12);
   }
 }
 
