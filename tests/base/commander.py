@@ -41,6 +41,7 @@ class Commander:
         self.session = random.getrandbits(62) + 1
         self.counter = 0
         self.simulated = False
+        self.status, self.reason = command_t.STATUS_TRACKING, 0
         self.valid_ms = 100
         self.received: list[base_t] = []
         self.poses: list[pose_t] = []
@@ -77,7 +78,7 @@ class Commander:
         message.valid_until_us = core.monotonic_now_us() + self.valid_ms * 1000
         message.linear_mps, message.angular_radps = linear_mps, angular_radps
         message.simulated = self.simulated
-        message.status = command_t.STATUS_TRACKING
+        message.status, message.reason = self.status, self.reason
         self.sent.append(self._publish("COMMAND", message))
 
     def setpoint(self, *, run: bool, session: int = 0, counter: int = 0) -> bytes:
@@ -92,6 +93,10 @@ class Commander:
     ) -> None:
         """A command every 20 ms until the condition holds."""
         self._until(condition, what, within_s, lambda: self.command(linear_mps))
+
+    def act_until(self, condition: Callable[[], bool], what: str, act: Callable[[], None]) -> None:
+        """act() every 20 ms until the condition holds."""
+        self._until(condition, what, 15.0, act)
 
     def listen_until(self, condition: Callable[[], bool], what: str, *, within_s: float = 15.0) -> None:
         self._until(condition, what, within_s, lambda: None)

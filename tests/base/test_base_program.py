@@ -14,7 +14,9 @@ from commander import Commander
 from motor_controller import MotorController
 from wheels_process import CONFIG, WheelsProcess
 
+from pilotfish import core
 from pilotfish.lcmtypes.pilotfish.base_t import base_t
+from pilotfish.lcmtypes.pilotfish.command_t import command_t
 
 
 def moving(controller):
@@ -55,6 +57,17 @@ def test_a_command_beyond_the_limits_is_clamped(commander, controller):
     commander.drive_until(lambda: commander.last.linear_mps >= 0.7 - 1e-9, "full speed", linear_mps=5.0)
     commander.drive_until(lambda: commander.counter > 80, "some more", linear_mps=5.0)
     assert max(s.left_mradps for s in controller.set_points) == 14000  # 0.7 m/s over 0.05 m
+
+
+def test_a_search_for_the_leader_turns_the_wheels_in_place_and_nothing_else_moves_while_it_is_lost(
+    commander, controller
+):
+    commander.status, commander.reason = command_t.STATUS_LOST, int(core.Reason.turning_to_search)
+    turning = lambda: bool(commander.received) and abs(commander.last.angular_radps - 0.5) < 1e-9  # noqa: E731
+    commander.act_until(turning, "the commanded turn", lambda: commander.command(0.3, 0.5))
+    assert all(s.left_mradps <= 0 <= s.right_mradps for s in controller.set_points)
+    commander.reason = int(core.Reason.no_tag_found)
+    commander.act_until(standing(controller), "wheels that stand", lambda: commander.command(0.3, 0.5))
 
 
 def test_odometry_comes_from_the_encoders(commander, controller):

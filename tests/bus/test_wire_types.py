@@ -12,13 +12,14 @@ from pilotfish.lcmtypes import pilotfish as types
 ONE_DATAGRAM_BYTES = 1400
 COUNTER_BYTES = 4 + 24 + 1 + 8  # of the longest: length, name, its end, count
 
-# Made from the names, types and order of the fields. The first three are libbot's, published: a change here
+# Made from the names, types and order of the fields. The first four are libbot's, published: a change here
 # means that existing viewers and loggers no longer read us. The others are ours: a change means that old logs
 # can no longer be read.
 FINGERPRINTS = {
     bot_core.image_t: "14739ffe13d5f5f0",
     bot_core.image_metadata_t: "9a4b634d0577fb8e",
     bot_core.pose_t: "2e16efb052b0105e",
+    bot_core.planar_lidar_t: "e3d17423180b5e8d",
     types.base_t: "5af1d9a0c5fb41d9",
     types.command_t: "7d8a1997660b07c8",
     types.counter_t: "85bf7873eaa98dd0",

@@ -21,11 +21,12 @@ INVALID = {
     Reason.ranges_not_fresh,
     Reason.another_coordinator,
     Reason.internal_error,
+    Reason.ranges_not_fresh,
 }
 REASONS = list(Reason.__members__.values())
 
 
-def held(*, holding=True, run=True, ever_measured=True):
+def held(*, holding=True, run=True, ever_measured=True, turning=False):
     return coordinator.HeldCommand(
         utime=7,
         command=COMMAND,
@@ -34,7 +35,14 @@ def held(*, holding=True, run=True, ever_measured=True):
         holding=holding,
         run=run,
         ever_measured=ever_measured,
+        turning=turning,
     )
+
+
+def test_a_turn_in_search_of_the_leader_says_so_while_it_lives():
+    search = held(turning=True)
+    assert search.at(UNTIL_US, Reason.no_frame) == (Status.lost, Reason.turning_to_search, COMMAND)
+    assert search.at(UNTIL_US + 1, Reason.no_frame) == (Status.lost, Reason.no_frame, STILL)
 
 
 @pytest.mark.parametrize("reason", REASONS, ids=lambda reason: reason.name)
