@@ -64,7 +64,7 @@ def observation_of(message: measurement_t) -> core.Observation:
         ambiguity_ratio=message.ambiguity_ratio,
         reprojection_error_px=message.reprojection_error_px,
         min_decision_margin=message.min_decision_margin,
-        found_by=core.FoundBy(message.found_by),
+        found_by=core.FoundBy(message.found_by & 0xFF),  # damaged, it may be negative, which no FoundBy can be
         tags=[
             core.TagDetection(
                 id=tag.id,
