@@ -6,6 +6,7 @@ import ctypes
 import os
 import shutil
 import subprocess
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -80,9 +81,12 @@ class Screen:
         return self.xdotool("search", "--onlyvisible", "--name", title)
 
     def table(self) -> str:
-        """lcm-spy's table of channels."""
-        (window,) = self.xdotool("search", "--name", "^LCM Spy$")
-        return window
+        """lcm-spy's table of channels. A search in which another window closes ends without a result: asked again."""
+        deadline = time.monotonic() + PATIENCE_S
+        while len(found := self.xdotool("search", "--name", "^LCM Spy$")) != 1:
+            assert time.monotonic() < deadline, f"lcm-spy's table is not there: {found}"
+            time.sleep(0.05)
+        return found[0]
 
     def click(self, row: int, *, button: int = 1, times: int = 1) -> None:
         """On a row of the table."""
