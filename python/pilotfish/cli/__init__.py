@@ -4,63 +4,56 @@ simulate, look into the law."""
 from __future__ import annotations
 
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from pilotfish import __version__
 from pilotfish.cli import console
-from pilotfish.cli.calibrate import app as calibrate_app
-from pilotfish.cli.data import data
-from pilotfish.cli.demo import demo
-from pilotfish.cli.doctor import doctor
-from pilotfish.cli.experiment import experiment
-from pilotfish.cli.export import export
-from pilotfish.cli.formation import app as formation_app
-from pilotfish.cli.fuzzy import app as fuzzy_app
-from pilotfish.cli.help_text import let_help_flow
-from pilotfish.cli.init import init
-from pilotfish.cli.leader import app as leader_app
-from pilotfish.cli.learn_body import learn_body
-from pilotfish.cli.operate import go, key_app, resume, setpoint, stop
-from pilotfish.cli.plot import plot
-from pilotfish.cli.render import render
-from pilotfish.cli.replay import replay
-from pilotfish.cli.report import report
-from pilotfish.cli.sweep import app as sweep_app
-from pilotfish.cli.tags import tags
-from pilotfish.cli.top import top
-from pilotfish.cli.tune import tune
-from pilotfish.cli.view import view
+from pilotfish.cli.lazy_commands import LazyCommands, Place
 
-_COMMANDS = {
-    "Set up a robot": (tags, learn_body, init, doctor, data),
-    "See and drive": (view, top, stop, go, resume, setpoint),
-    "Recordings": (plot, report, export, replay),
-    "Simulate": (demo, experiment, render, tune),
+# Modules of pilotfish.cli with a function of their name; those with a Typer called app; and what one module shares.
+_FUNCTIONS = {
+    "Set up a robot": ("tags", "learn_body", "init", "doctor", "data"),
+    "See and drive": ("view", "top"),
+    "Recordings": ("plot", "report", "export", "replay"),
+    "Simulate": ("demo", "experiment", "render", "tune"),
 }
 _GROUPS = {
-    "Set up a robot": {"calibrate": calibrate_app, "leader": leader_app, "key": key_app},
-    "Simulate": {"sweep": sweep_app, "formation": formation_app},
-    "The fuzzy law": {"fuzzy": fuzzy_app},
+    "Set up a robot": ("calibrate", "leader"),
+    "Simulate": ("sweep", "formation"),
+    "The fuzzy law": ("fuzzy",),
 }
+_OPERATING = ("stop", "go", "resume", "setpoint")
+_PLACES = (
+    *(
+        Place(name.replace("_", "-"), panel, f"{__name__}.{name}", name)
+        for panel, names in _FUNCTIONS.items()
+        for name in names
+    ),
+    *(Place(name, "See and drive", f"{__name__}.operate", name) for name in _OPERATING),
+    *(Place(name, panel, f"{__name__}.{name}", "app") for panel, names in _GROUPS.items() for name in names),
+    Place("key", "Set up a robot", f"{__name__}.operate", "key_app"),
+)
+
+
+class _Pilotfish(console.SysexitsGroup):
+    """The program, whose commands are imported when they are needed."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.commands = LazyCommands(_PLACES)
+
 
 app = typer.Typer(
     name="pilotfish",
-    cls=console.SysexitsGroup,
+    cls=_Pilotfish,
     help="A robot follows another robot by sight alone: set one up, watch and stop it, record, replay, simulate.",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_show_locals=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for panel, commands in _COMMANDS.items():
-    for command in commands:
-        app.command(rich_help_panel=panel)(command)
-for panel, groups in _GROUPS.items():
-    for name, group in groups.items():
-        app.add_typer(group, name=name, rich_help_panel=panel)
-let_help_flow(app)
 
 
 def main() -> None:

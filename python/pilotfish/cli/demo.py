@@ -12,17 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress, tell
-from pilotfish.cli.options import (
-    DarkOption,
-    DurationOption,
-    FormatOption,
-    Law,
-    PictureFormat,
-    Profiles,
-    ProfilesOption,
-    drivers_of,
-    writable_folder,
-)
+from pilotfish.cli.driving_options import Law, Profiles, ProfilesOption, drivers_of
+from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, PictureFormat, writable_folder
 
 if TYPE_CHECKING:
     from pilotfish.camera_view import CameraView

@@ -9,15 +9,10 @@ import typer
 
 from pilotfish.cli.completing import experiments
 from pilotfish.cli.console import console, friendly_errors, progress, tell
-from pilotfish.cli.options import (
-    DarkOption,
-    DurationOption,
-    FormatOption,
+from pilotfish.cli.driving_options import (
     InProcessOption,
     Law,
     LawOption,
-    OutOption,
-    PictureFormat,
     Profiles,
     ProfilesOption,
     Robot,
@@ -25,6 +20,7 @@ from pilotfish.cli.options import (
     TuningOption,
     drivers_of,
 )
+from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, OutOption, PictureFormat
 from pilotfish.harness.driving import BASELINES
 from pilotfish.law_names import law_name
 

@@ -9,15 +9,8 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress
-from pilotfish.cli.options import (
-    DarkOption,
-    DurationOption,
-    FormatOption,
-    OutOption,
-    PictureFormat,
-    Tunable,
-    between,
-)
+from pilotfish.cli.driving_options import Tunable
+from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, OutOption, PictureFormat, between
 
 app = typer.Typer(
     help="Formations: several robots as one file (column, wedge, diamond, star, ...); whether they hold.",

@@ -9,7 +9,8 @@ import typer
 
 from pilotfish.cli.completing import shipped_scenarios
 from pilotfish.cli.console import friendly_errors, progress, tell
-from pilotfish.cli.options import Profile, ProfileOption, writable_folder
+from pilotfish.cli.driving_options import Profile, ProfileOption
+from pilotfish.cli.options import writable_folder
 
 
 def render(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell
-from pilotfish.cli.options import Tunable
+from pilotfish.cli.driving_options import Tunable
 
 
 def tune(
