@@ -176,6 +176,16 @@ def test_a_robot_that_appears_above_the_selected_one_does_not_take_its_place(url
         on_screen(app, scenario)
 
 
+def test_a_tick_after_the_widgets_are_gone_ends_nothing(url):
+    app = TopApp(url)
+
+    async def scenario(pilot):
+        await app.query(DataTable).remove()
+        app.show()
+
+    on_screen(app, scenario)
+
+
 def test_s_stops_the_selected_robot_and_no_other_and_asks_nothing(url):
     app = TopApp(url)
 

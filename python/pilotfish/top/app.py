@@ -100,6 +100,8 @@ class TopApp(App[None]):
     # --- the table
     def show(self) -> None:
         """Brings the table and the events up to the moment."""
+        if not self.query(DataTable):
+            return  # a last tick while the program ends, after its widgets
         now_s = time.monotonic()
         not_shown = self.robots.left_out()
         self.sub_title = f"{self.feed.url}; not shown: {not_shown}" if not_shown else self.feed.url
