@@ -213,17 +213,20 @@ def test_an_experiment_can_be_driven_by_a_peer(tmp_path, law):
     assert (tmp_path / f"line_{law}.csv").is_file()
 
 
-def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
+def test_the_demo_leaves_every_picture_of_its_experiments(tmp_path):
     result, said = run("demo", "--duration-s", "1", "--out", tmp_path)
     assert result.exit_code == 0, said
     each = ("{}_{}.csv", "{}_{}_distance_error.png", "{}_{}_paths.png")
     runs = [(which, profile) for which in ("line", "circle") for profile in ("paper", "anticipate")]
     runs += [("line_nonideal", "anticipate"), ("circle_nonideal", "anticipate")]
-    expected = {name.format(*names) for names in runs for name in each}
+    wedge = [f"wedge_obstacles_robot{k}_anticipate" for k in (1, 2, 3, 4)]
+    expected = {name.format(*names) for names in runs for name in each} | {f"{name}.csv" for name in wedge}
     assert {file.name for file in tmp_path.iterdir()} == expected | {
         "index.html",
         "line_anticipate_camera.gif",
         "circle_anticipate_camera.gif",
+        "wedge_obstacles.png",
+        "wedge_obstacles_camera.gif",
         "overview.png",
         "comparison.png",
         "fuzzy_sets.png",
@@ -231,7 +234,7 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
         "metrics.json",
     }
     figures = json.loads((tmp_path / "metrics.json").read_text())
-    assert set(figures) == {f"{which}_{profile}" for which, profile in runs}
+    assert set(figures) == {f"{which}_{profile}" for which, profile in runs} | set(wedge)
     assert figures["line_paper"]["initial_distance_m"] == pytest.approx(2.44, abs=1e-3)
     # The last line leads to the page, and the page to everything else.
     last = result.output.strip().splitlines()[-1]
@@ -241,6 +244,7 @@ def test_the_demo_leaves_every_picture_of_both_experiments(tmp_path):
         "index.html"
     }
     assert "steady-state distance error" in page.text
+    assert "clearance to obstacles" in page.text and "clearance to obstacles" in said
 
 
 @pytest.mark.parametrize("kind", ["svg", "pdf"])

@@ -1,4 +1,5 @@
-"""``pilotfish demo``: both experiments with the real programs, every picture of them, and a page of it all."""
+"""``pilotfish demo``: both experiments with the real programs, five robots among obstacles, every picture of them, and
+a page of it all."""
 
 from __future__ import annotations
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from pilotfish.camera_view import CameraView
     from pilotfish.experiments import Experiment, Result
     from pilotfish.plots.gallery import Gallery, Picture
+    from pilotfish.plots.page import Section
 
 GIF_FRAMES = 60
 NONIDEAL = "The same with slip, lag, noise and camera misalignment, not configured"
@@ -36,7 +38,8 @@ def demo(
     """Run both experiments with both profiles and the real programs over LCM in lock-step; tables here, pictures in
     OUT, and all of it on one page, OUT/index.html.
 
-    And once more, with the last profile, on a non-ideal robot (data/hardware/nonideal.yaml). Takes a minute or two.
+    And with the last profile: on a non-ideal robot (data/hardware/nonideal.yaml), and five robots in a wedge through
+    obstacles. Takes two minutes.
 
     \b
     Examples
@@ -44,6 +47,7 @@ def demo(
       pilotfish demo --out out/dark --dark
       pilotfish demo --out out/print --format pdf
     """
+    from pilotfish.cli import demo_obstacles
     from pilotfish.cli.pictures import gallery, save_comparison, save_pictures, save_recording
     from pilotfish.experiments import EXPERIMENTS, metrics_tables
 
@@ -52,14 +56,17 @@ def demo(
         drivers = drivers_of(profile, Law.fuzzy)
         ideal = [(experiment, driver) for experiment in EXPERIMENTS.values() for driver in drivers]
         runs = ideal + [(experiment.on_nonideal_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
+        in_all = len(runs) + 1
         played = [
-            _play(f"run {number} of {len(runs)}", experiment, driver, duration_s)
+            _play(f"run {number} of {in_all}", experiment, driver, duration_s)
             for number, (experiment, driver) in enumerate(runs, 1)
         ]
+        wedge = demo_obstacles.play(f"run {in_all} of {in_all}", drivers[-1], duration_s)
         results, nonideal = played[: len(ideal)], played[len(ideal) :]
-        data = [save_recording(result, out) for result in [*results, *nonideal]]
-        data.append(_save_metrics(results + nonideal, out))
+        data = [save_recording(result, out) for result in [*results, *nonideal, *wedge]]
+        data.append(_save_metrics(results + nonideal, demo_obstacles.figures(wedge), out))
         overview, films = _save_overview(results, into)
+        among_obstacles = demo_obstacles.pictures(wedge, into)
         with progress("drawing") as step:
             drawn = []
             for done, result in enumerate(played, 1):
@@ -76,10 +83,11 @@ def demo(
             "Non-ideal robot": list(chain.from_iterable(drawn[len(results) :])),
             "The fuzzy law": law,
         }
-        page = _write_page(chapters, results, nonideal, data, into)
+        page = _write_page(chapters, results, nonideal, demo_obstacles.section(wedge, among_obstacles), data, into)
         for table in (*metrics_tables(results), *metrics_tables(nonideal, NONIDEAL)):
             console.print(table)
-        pictures = [picture.file for chapter in chapters.values() for picture in chapter]
+        demo_obstacles.show(wedge)
+        pictures = [picture.file for shown in (*chapters.values(), among_obstacles) for picture in shown]
         for file in [*data, *pictures]:
             tell(f"wrote {file}")
         console.print(f"everything on one page: {page}   {page.resolve().as_uri()}", soft_wrap=True)
@@ -141,9 +149,9 @@ def _save_law(result: Result, into: Gallery) -> list[Picture]:
     ]
 
 
-def _save_metrics(results: Sequence[Result], out: Path) -> Path:
+def _save_metrics(results: Sequence[Result], wedge: dict[str, dict[str, float]], out: Path) -> Path:
     file = out / "metrics.json"
-    figures = {f"{r.experiment.name}_{r.profile}": asdict(r.metrics) for r in results}
+    figures = {f"{r.experiment.name}_{r.profile}": asdict(r.metrics) for r in results} | wedge
     file.write_text(json.dumps(figures, indent=2) + "\n")
     return file
 
@@ -152,6 +160,7 @@ def _write_page(
     chapters: dict[str, list[Picture]],
     results: Sequence[Result],
     nonideal: Sequence[Result],
+    wedge: Section,
     data: Sequence[Path],
     into: Gallery,
 ) -> Path:
@@ -169,6 +178,7 @@ def _write_page(
         Section(title, tables=[tables[title]] if title in tables else [], pictures=pictures)
         for title, pictures in chapters.items()
     ]
+    sections.insert(2, wedge)
     intro = (
         "A robot follows a leader by sight alone, on a line and on a circle, in the two experiments of the paper "
         "“Vision-based Fuzzy Coordination Control for Multiple Robots”: simulated, with the real programs, a "
