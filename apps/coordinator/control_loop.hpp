@@ -28,6 +28,7 @@ struct LoopConfig {
   bus::ImageSize calibrated;  ///< of the camera
   std::vector<int> leader_ids;
   double configured_latency_s = 0.0;  ///< control.drive.latency_s, to compare with the measured one
+  bool publish_intent = false;        ///< on NAME_MOTION
 };
 
 /// Counters of other parts, for the status: refused by the bus, ...

@@ -86,6 +86,7 @@ void log_start(const config::CoordinatorFile& file, const bus::Bus& bus) {
     spdlog::info("own motion: odometry on {}", bus::channel(file.name, "POSE"));
   if (!file.leader_intent_from.empty())
     spdlog::info("leader intent on {}", bus::channel(file.leader_intent_from, "MOTION"));
+  if (file.publish_intent) spdlog::info("own intent on {}", bus::channel(file.name, "MOTION"));
   spdlog::info("bus {} (receive buffer {} bytes)", bus.url(), bus.receive_buffer_bytes());
 }
 
@@ -249,7 +250,8 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         file.coordinator.safety.max_age_s,
                         {file.coordinator.camera.width, file.coordinator.camera.height},
                         ids_of(file.coordinator.leader),
-                        file.coordinator.control.drive.latency_s};
+                        file.coordinator.control.drive.latency_s,
+                        file.publish_intent};
   supervisor.ready(source.description);
   const std::unique_ptr<Preview> preview = make_preview(file, spec.kind, listening.url, replay, options.live);
   const LoopParts parts{*inbox,

@@ -41,7 +41,15 @@ bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& t
   return status;
 }
 
+/// What the wheels will do, for when they will have done it; without a law's answer, what they are told now.
+bus::MotionReport Reporter::intent(const StepResult& result) {
+  const bool answered = result.control && result.control->effect_utime > 0;
+  return {answered ? result.control->effect_utime : result.utime, result.command};
+}
+
 void Reporter::report(const StepResult& result, const StepTiming& timing) {
+  // First of all: who follows this robot waits for it.
+  if (config_.publish_intent && result.utime > 0) parts_.reports.publish(config_.robot, intent(result));
   parts_.reports.publish(config_.robot, observation_report(result, timing));
   const bus::StatusReport said = status(result, timing);
   parts_.reports.publish(config_.robot, said);

@@ -27,6 +27,7 @@ class Reporter {
 
  private:
   bus::StatusReport status(const StepResult& result, const StepTiming& timing) const;
+  static bus::MotionReport intent(const StepResult& result);
   std::string detail(const StepResult& result) const;
   void warn_of_losses();
   void log_change(const StepResult& result, const std::string& detail);

@@ -331,6 +331,9 @@ PYBIND11_MODULE(control, m) {
       .def_readonly("drive", &FollowerOutput::drive,
                     "DriveEstimate: the drive's delays as this command assumes them; None unless it anticipates")
       .def_readonly("avoidance", &FollowerOutput::avoidance, "AvoidanceOutput, or None where it is not enabled")
+      .def_readonly("effect_utime", &FollowerOutput::effect_utime,
+                    "when the command has taken effect [us], the time for which it is announced to robots that follow "
+                    "this one; 0 with a reason")
       .def_readonly("leader_intent", &FollowerOutput::leader_intent, "LeaderIntentUse: how the leader intent was used");
 
   py::class_<Follower>(m, "Follower", "Observation in, Twist out; time comes from the observations.")

@@ -43,6 +43,8 @@ void bind_config(py::module_& m) {
           "pose: own twist from NAME_POSE; none: nowhere")
       .def_readonly("key_file", &config::CoordinatorFile::key_file, "empty: nothing is authenticated")
       .def_readonly("leader_intent_from", &config::CoordinatorFile::leader_intent_from, "empty: disabled")
+      .def_readonly("publish_intent", &config::CoordinatorFile::publish_intent,
+                    "what it is about to drive is announced on NAME_MOTION")
       .def_readonly("frame_rate_hz", &config::CoordinatorFile::frame_rate_hz,
                     "rate expected of the source [Hz]; 1/T of the law unless control_period_s says otherwise")
       .def_readonly("black_box", &config::CoordinatorFile::black_box, "BlackBoxConfig: where and how much is recorded")

@@ -62,6 +62,7 @@ void read_names(YamlSection& root, CoordinatorFile& file) {
   if (root.optional("odometry")) file.odometry = odometry_from(root.text("odometry"));
   if (root.optional("leader_intent_from"))
     file.leader_intent_from = leader_intent_from(root.text("leader_intent_from"));
+  if (root.optional("publish_intent")) file.publish_intent = root.boolean("publish_intent");
   if (root.optional("key_file")) file.key_file = root.file_path("key_file").string();
   if (root.optional("law")) control::set_active_law(control, root.text("law"));
   if (root.optional("profile")) control.profile = control::profile_from(root.text("profile"));

@@ -23,6 +23,15 @@ ConfigDescription coordinator_description() {
                             "frames per second expected of the source",
                             false,
                             {}};
+  const KeyDescription publish_intent{
+      "publish_intent",
+      KeyDescription::Type::boolean,
+      "false",
+      0.0,
+      0.0,
+      "true: what it is about to drive is announced on NAME_MOTION, for robots that follow it",
+      false,
+      {}};
   top.keys = {
       required_key("name", "the robot's name on the bus: letters, digits, underscores"),
       text_key("source", "lcm", "where frames come from: camera:N, video:FILE, images:DIR, lcm[:CHANNEL], log:FILE"),
@@ -31,6 +40,7 @@ ConfigDescription coordinator_description() {
                {"none", "pose"}),
       text_key("leader_intent_from", "none",
                "the leader's name on the bus, to receive what it announces on LEADER_MOTION"),
+      publish_intent,
       text_key(
           "key_file", "",
           "64 hex digits that only their owner may read: commands carry a MAC made with this key, and setpoints are "

@@ -211,6 +211,7 @@ FollowerOutput Follower::follow(const Observation& observation, const Setpoint& 
     avoidance_.allowed(output.command.linear_mps, wanted_twist.linear_mps, dt_s);
   }
 
+  output.effect_utime = later_s(observation.utime, delay_s());
   own_.command(output.command, acts_utime(observation.utime));
   identifier_.command(output.command, observation.utime);
   last_error_m_ = setpoint.distance_m - observation.distance_m;
@@ -257,7 +258,7 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
     output.leader_intent = intent_.evaluate(leader_.at(observation.utime), own_.pose(), observation.utime);
   output.ego_motion = own_.source();
   const LeaderMotion leader = output.leader_intent == LeaderIntentUse::used
-                                  ? seen_from(prediction.own_pose, slowed_leader(prediction.utime))
+                                  ? seen_from(prediction.own_pose, intended_leader(prediction.utime))
                                   : prediction.leader;
   const double weight = feed_forward_weight(config_.anticipate, leader);
   const Anticipation anticipation =
@@ -274,8 +275,10 @@ Twist Follower::anticipated(const Observation& observation, const Setpoint& setp
   return keep_in_view(config_.anticipate, config_.view, config_.limits, prediction.leader, wanted);
 }
 
-LeaderEstimate Follower::slowed_leader(std::int64_t effect_utime) const noexcept {
+LeaderEstimate Follower::intended_leader(std::int64_t effect_utime) const noexcept {
   const LeaderMotionConfig& motion = config_.leader_motion;
+  if (config_.leader_intent.feed_forward)
+    return intent_.fed_forward(leader_.at(effect_utime), effect_utime, seconds_between(leader_.utime(), effect_utime));
   const std::int64_t since_utime = std::clamp(intent_.since_utime(), leader_.utime(), effect_utime);
   return predict_leader(intent_.slowed(leader_.at(since_utime)), motion.manoeuvre_velocity_sigma,
                         motion.manoeuvre_turn_sigma, motion.own_position_sigma,

@@ -44,6 +44,7 @@ bool LeaderIntent::update(std::int64_t utime, const Twist& twist) noexcept {
 }
 
 void LeaderIntent::reset() noexcept {
+  bias_mps_.reset();
   agreeing_since_.reset();
   claims_ = {};
 }
@@ -101,6 +102,11 @@ LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& 
     if (sharp && !agreeing_since_) agreeing_since_ = utime;
     return LeaderIntentUse::probation;
   }
+  if (config_.feed_forward) {
+    learn_bias(both[0].seen, utime);
+    const bool moving = both[0].seen > both[0].tolerance;
+    return moving && drives_away(seen, own) ? LeaderIntentUse::used : LeaderIntentUse::agrees;
+  }
   bool slower = false;
   for (std::size_t i = 0; i < both.size(); ++i) {
     std::optional<double>& claim = claims_[i];
@@ -113,6 +119,55 @@ LeaderIntentUse LeaderIntent::evaluate(const LeaderEstimate& seen, const Pose2& 
     }
   }
   return slower && drives_away(seen, own) ? LeaderIntentUse::used : LeaderIntentUse::agrees;
+}
+
+/// What is announced for that time: between two announcements in a straight line, after the newest as it says.
+double LeaderIntent::announced_mps(std::int64_t utime) const noexcept {
+  std::size_t after = received_.size();
+  while (after > 0 && received_[after - 1].utime > utime) --after;
+  if (after == received_.size()) return newest().twist.linear_mps;
+  if (after == 0) return received_[0].twist.linear_mps;
+  const Announcement &a = received_[after - 1], &b = received_[after];
+  const double share = seconds_between(a.utime, utime) / seconds_between(a.utime, b.utime);
+  return a.twist.linear_mps + share * (b.twist.linear_mps - a.twist.linear_mps);
+}
+
+/// A leader whose wheels or odometry are a few per cent off announces as much too much, for ever. Low-passed, the
+/// difference to vision is that, and what vision lags behind in a change of speed averages out.
+void LeaderIntent::learn_bias(double seen_mps, std::int64_t utime) noexcept {
+  const double difference_mps = seen_mps - announced_mps(utime);
+  if (bias_mps_) {
+    const double share = std::clamp(seconds_between(bias_utime_, utime) / config_.bias_time_s, 0.0, 1.0);
+    *bias_mps_ += share * (difference_mps - *bias_mps_);
+  } else {
+    bias_mps_ = difference_mps;
+  }
+  bias_utime_ = utime;
+}
+
+/// With the announced change the speed s along the heading u becomes s + D, D bounded: at most feed_forward_limit_mps
+/// more, and no less than standing still. Over the time ahead the change came about evenly: the place moves by D t / 2.
+LeaderEstimate LeaderIntent::fed_forward(const LeaderEstimate& predicted, std::int64_t utime,
+                                         double ahead_s) const noexcept {
+  LeaderEstimate changed = predicted;
+  const Axis along = axes(predicted)[0];
+  const double wanted_mps = announced_mps(utime) + bias_mps_.value_or(0.0);
+  const double change_mps =
+      std::clamp(wanted_mps - along.seen, -std::max(along.seen, 0.0), config_.feed_forward_limit_mps);
+  const Eigen::Vector2d u(std::cos(predicted.mean(4)), std::sin(predicted.mean(4)));
+  changed.mean.segment<2>(2) += change_mps * u;
+  changed.mean.head<2>() += 0.5 * ahead_s * change_mps * u;
+  // Vision's own doubt in a change of speed, which it sees late, is no doubt in an announcement that has been true so
+  // far: a third of the tolerance, as probation asks for. A sharper estimate stays as sharp.
+  const double sigma_mps = along.tolerance / kSigmas;
+  for (const int of : {2, 3}) {
+    const double variance = changed.covariance(of, of);
+    if (variance <= sigma_mps * sigma_mps) continue;
+    changed.covariance.row(of).setZero();
+    changed.covariance.col(of).setZero();
+    changed.covariance(of, of) = sigma_mps * sigma_mps;
+  }
+  return changed;
 }
 
 /// The velocity is shortened as a vector, so that a tag that is mounted at an angle is no special case here either. Its

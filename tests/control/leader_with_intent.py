@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pilotfish import core, sim
+from pilotfish import coordinator, core, sim
 from pilotfish import data as shipped
 from pilotfish.harness.drawn_observations import DrawnObservations, ObservationNoise
 from pilotfish.harness.in_process import Feed, run_in_process
@@ -47,7 +47,12 @@ class LeaderWithIntent:
 
 
 def follow(
-    which: str, feed: Feed | None = None, *, seed: int = 1, duration_s: float | None = None
+    which: str,
+    feed: Feed | None = None,
+    *,
+    seed: int = 1,
+    duration_s: float | None = None,
+    configure: Callable[[coordinator.CoordinatorConfig], None] | None = None,
 ) -> tuple[Recording, Counter[str]]:
     """A run with drawn measurements, and how often which use was made of announcements."""
     uses: Counter[str] = Counter()
@@ -61,6 +66,7 @@ def follow(
         profile="anticipate",
         drawn=DrawnObservations(seed, COARSE),
         feed=feed,
+        configure=configure,
         duration_s=duration_s,
         on_frame=count,
     )

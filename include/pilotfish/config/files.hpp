@@ -81,6 +81,7 @@ struct CoordinatorFile {
   std::string source = "lcm";          ///< where frames come from, unless --source says otherwise
   Odometry odometry = Odometry::none;  ///< where the own twist is measured
   std::string leader_intent_from;      ///< the leader's name on the bus, to receive LEADER_MOTION; empty: none
+  bool publish_intent = false;         ///< what it is about to drive is announced on NAME_MOTION
   std::string key_file;                ///< for bus::load_key(); empty: commands and setpoints are not authenticated
   double frame_rate_hz = 30.0;    ///< expected of the source; 1/T of the law unless control_period_s says otherwise
   BlackBoxConfig black_box;       ///< where and how much is recorded

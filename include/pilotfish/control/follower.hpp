@@ -109,6 +109,9 @@ struct FollowerOutput {
   /// The drive's delays, as this command assumes them, and how well they are identified.
   std::optional<DriveEstimate> drive;
   std::optional<AvoidanceOutput> avoidance;  ///< where it is enabled
+  /// When the command has taken effect, one latency after the exposure and one lag later: the time for which a robot
+  /// that is followed announces it.
+  std::int64_t effect_utime = 0;
 };
 
 /// The entry point of this module: Observation in, Twist out. Time comes from the observations.
@@ -116,7 +119,8 @@ struct FollowerOutput {
 ///   paper       e, ec as measured --> fuzzy law, heading controller --> limits
 ///   anticipate  own commands, odometry --> EgoMotion --+
 ///               observation ---------------------------+--> LeaderMotionEstimator --> prediction --> anticipate()
-///               leader_intent --> LeaderIntent: checked against that estimate, may slow the prediction down
+///               leader_intent --> LeaderIntent: checked against that estimate, may slow the prediction down, or with
+///                                                 feed_forward change it
 ///                                                 --> blended with the paper's command by feed_forward_weight -->
 ///                                                 kept in view --> limits
 ///   any         own commands, observation --> Gap --> guarded_speed(), an upper bound of the speed before the limits
@@ -189,8 +193,8 @@ class Follower {
   /// The command of profile `anticipate`.
   Twist anticipated(const Observation& observation, const Setpoint& setpoint, const Prediction& prediction,
                     const Twist& published, double dt_s, FollowerOutput& output);
-  /// The leader when the command has taken effect, slowed down to its intent.
-  LeaderEstimate slowed_leader(std::int64_t effect_utime) const noexcept;
+  /// The leader when the command has taken effect, as vision and its intent have it.
+  LeaderEstimate intended_leader(std::int64_t effect_utime) const noexcept;
   /// To the leader, as the guard has it, when the command for this frame acts.
   Gap gap(const Observation& observation) const noexcept;
   std::int64_t acts_utime(std::int64_t utime) const;

@@ -27,6 +27,13 @@ struct LeaderIntentConfig {
                       "the intent must have agreed with vision for this time before use");
   PILOTFISH_PARAMETER(double, suspended_s, 5.0, 1.0, 3600.0,
                       "the intent is not used for this time after one disagreement");
+  PILOTFISH_PARAMETER_WITHOUT_RANGE(bool, feed_forward, false,
+                                    "announced changes of a moving leader's speed are fed forward, also upwards; for "
+                                    "chains whose robots announce what they are about to drive");
+  PILOTFISH_PARAMETER(double, feed_forward_limit_mps, 0.1, 0.0, 1.0,
+                      "with feed_forward: by this at most the leader is taken to be faster than vision predicts");
+  PILOTFISH_PARAMETER(double, bias_time_s, 2.0, 0.1, 60.0,
+                      "with feed_forward: time constant with which the announced speed is corrected to the seen one");
 };
 
 enum class LeaderIntentUse {
@@ -49,6 +56,10 @@ std::string_view to_string(LeaderIntentUse use) noexcept;
 /// - while the leader drives away: if it approaches, assuming a lower speed is not safe;
 /// - for confirmed_within_s: if vision has not confirmed it by then, or the intent is withdrawn, it is suspended.
 ///
+/// With feed_forward also a leader that becomes faster is believed, within feed_forward_limit_mps of what vision
+/// predicts; agreement, confirmation and suspension are the same, and a leader that stands is not moved. What bounds
+/// the robot's speed, the guard, takes nothing from it.
+///
 /// No intent enters the estimate of vision, which stays an independent reference that a false intent cannot affect.
 class LeaderIntent {
  public:
@@ -64,7 +75,10 @@ class LeaderIntent {
 
   /// If evaluate() returned `used`: the time from which it holds.
   std::int64_t since_utime() const { return newest().utime; }
-  /// If evaluate() returned `used`: the estimate, slowed down to the intent.
+  /// If evaluate() returned `used` with feed_forward: the estimate predicted for `utime`, `ahead_s` after the picture,
+  /// with the speed that is announced for then.
+  LeaderEstimate fed_forward(const LeaderEstimate& predicted, std::int64_t utime, double ahead_s) const noexcept;
+  /// If evaluate() returned `used` without: the estimate, slowed down to the intent.
   LeaderEstimate slowed(const LeaderEstimate& seen) const noexcept;
 
   /// The leader was lost: probation begins anew, a suspension goes on.
@@ -72,7 +86,8 @@ class LeaderIntent {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.received_, self.agreeing_since_, self.suspended_until_, self.claims_);
+    archive(self.received_, self.agreeing_since_, self.suspended_until_, self.claims_, self.bias_mps_,
+            self.bias_utime_);
   }
 
  private:
@@ -89,12 +104,16 @@ class LeaderIntent {
   std::array<Axis, 2> axes(const LeaderEstimate& seen) const noexcept;
   bool holds(const Axis& axis, std::int64_t utime) const noexcept;
   bool announces_slower(const Axis& axis) const noexcept;
+  double announced_mps(std::int64_t utime) const noexcept;
+  void learn_bias(double seen_mps, std::int64_t utime) noexcept;
   LeaderIntentUse suspend(std::int64_t utime) noexcept;
 
   LeaderIntentConfig config_;
   BoundedVector<Announcement, 64> received_;  ///< by time; when full, the oldest is dropped
   std::optional<std::int64_t> agreeing_since_, suspended_until_;
   std::array<std::optional<double>, 2> claims_;  ///< by axis: the slower speed announced, not yet confirmed
+  std::optional<double> bias_mps_;               ///< seen less announced speed, low-passed
+  std::int64_t bias_utime_ = 0;                  ///< of the last picture it was learned from
 };
 
 }  // namespace pilotfish::control

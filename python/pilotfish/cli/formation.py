@@ -185,6 +185,15 @@ def stability(
         list[float] | None,
         typer.Option("--frequency-hz", help="Can be repeated.", show_default="12 from 0.02 to 1.1 Hz"),
     ] = None,
+    leader_intent: Annotated[
+        bool, typer.Option("--leader-intent", help="Each robot announces what it is about to drive to the next.")
+    ] = False,
+    intent_delay_s: Annotated[
+        float, typer.Option(callback=between(0.0, 1.0, "s"), help="With --leader-intent: until it is heard.")
+    ] = 0.033,
+    intent_loss: Annotated[
+        float, typer.Option(callback=between(0.0, 1.0), help="With --leader-intent: share that is lost.")
+    ] = 0.0,
     config: ConfigOption = None,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Of the measurements' noise.")] = 1,
     jobs: Annotated[int | None, typer.Option(min=1, max=256, help="Processes.", show_default="one a processor")] = None,
@@ -204,11 +213,13 @@ def stability(
       pilotfish formation stability --out out --json out/stability.json
       pilotfish formation stability --law paper --law anticipate --robots 5
       pilotfish formation stability --law anticipate --headway-s 0 --headway-s 0.3
+      pilotfish formation stability --law anticipate --leader-intent --intent-loss 0.2
       pilotfish formation stability --law pid --frequency-hz 0.1 --frequency-hz 0.4
     """
     import json
 
     from pilotfish.cli.formation_tables import stability_tables
+    from pilotfish.formation.relay import Network
     from pilotfish.formation.stability import FREQUENCIES_HZ, LAWS, Trial, measure, to_json
     from pilotfish.whole_files import write_whole
 
@@ -218,7 +229,9 @@ def stability(
     frequencies_hz = _numbers("--frequency-hz", frequency_hz, FREQUENCIES_HZ, 0.005, 5.0, "Hz")
     headways_s = _numbers("--headway-s", headway_s, (0.0,), 0.0, 3.0, "s")
     laws = list(dict.fromkeys(each.value for each in law)) if law else list(LAWS)
-    trial = Trial(robots, spacing_m, speed_mps, amplitude_mps, frequencies_hz, seed, str(config) if config else None)
+    own = str(config) if config else None
+    intents = Network(intent_delay_s, intent_loss) if leader_intent else None
+    trial = Trial(robots, spacing_m, speed_mps, amplitude_mps, frequencies_hz, seed, own, intents)
     with friendly_errors():
         if json_file:
             check_writable(json_file)
@@ -236,7 +249,8 @@ def stability(
             into = gallery(out, picture_format.value, dark)
             for own_s in headways_s:
                 chosen = [result for result in results if result.headway_s == own_s]
-                title = f"A chain of {robots}, {spacing_m:g} m, headway {own_s:g} s: leader at {speed_mps:g} m/s"
+                said = ", with leader intents" if intents else ""
+                title = f"A chain of {robots}, {spacing_m:g} m, headway {own_s:g} s{said}: leader at {speed_mps:g} m/s"
                 figure = draw_string_stability(chosen, f"{title} ± {amplitude_mps:g} m/s", into.theme)
                 name = "string_stability" if len(headways_s) == 1 else f"string_stability_{own_s:g}s"
                 console.print(f"wrote {into.save(figure, name, title, '').file}", soft_wrap=True)

@@ -18,6 +18,7 @@ from pilotfish import coordinator, core, sim
 from pilotfish.formation.drawn_world import without_pictures
 from pilotfish.formation.expand import load_expanded
 from pilotfish.formation.file import Formation, read_formation
+from pilotfish.formation.relay import Announcements, Network, listening
 from pilotfish.harness.drawn_observations import DrawnObservations
 from pilotfish.harness.driving import Driving
 from pilotfish.harness.run import OnProgress
@@ -51,15 +52,22 @@ def drive_chain(
     duration_s: float,
     *,
     headway_s: float = 0.0,
+    intents: Network | None = None,
     seed: int = 1,
     on_progress: OnProgress | None = None,
 ) -> ChainRun:
-    """Drives it straight ahead. ``law`` as in Driving. The leader's drive is ideal: it has the speed it is told."""
+    """Drives it straight ahead. ``law`` as in Driving. The leader's drive is ideal: it has the speed it is told.
+    ``intents``: every robot, and the leader as long before, announces what it is about to drive, over that network, and
+    feeds forward what it hears (control.leader_intent.feed_forward); None: nothing is said."""
     with tempfile.TemporaryDirectory(prefix="pilotfish-") as folder:
         scenario = load_expanded(formation, Path(folder))
         configs = [coordinator.load_coordinator(robot.coordinator_file).coordinator for robot in scenario.robots]
         spec = without_pictures(with_free_leader(sim.load_scenario(scenario.file)))
+    if intents:
+        for config in configs:
+            listening(config)
     drivers = [_driver(config, law, headway_s) for config in configs]
+    spoken = [Announcements(intents, seed * 1000 + k) for k in range(len(drivers) + 1)] if intents else []
     world, drawn = sim.World(spec), DrawnObservations(seed)
     names, period_s = formation.robots, 1.0 / formation.frame_rate_hz
     frames = scenario.frame_count(duration_s)
@@ -74,9 +82,17 @@ def drive_chain(
             middle_s = time_s + (step + 0.5) / SUB_STEPS * period_s
             twist = core.Twist(linear_mps=leader_speed(middle_s), angular_radps=0.0)
             world.command(names[0], twist, time_s + step / SUB_STEPS * period_s)
+        if intents:
+            ahead_s = latency_s[0] + configs[0].control.drive.actuator_lag_s
+            plan = core.Twist(linear_mps=leader_speed(time_s + ahead_s), angular_radps=0.0)
+            spoken[0].send(time_s, world.utime + round(1e6 * ahead_s), plan)
         speed_mps[:, index] = [world.state(name).twist.linear_mps for name in names]
         for k, (name, driver) in enumerate(zip(names[1:], drivers, strict=True)):
+            if intents:
+                spoken[k].deliver(time_s, driver)
             answer = drawn.answer(world, name, driver)
+            if intents and answer.control:
+                spoken[k + 1].send(time_s, answer.control.effect_utime, answer.command)
             world.command(name, answer.command, time_s + latency_s[k])
             true_distance_m, _, _ = world.true_relative_pose(name)
             error_m[k, index] = distance_m[k] + headway_s * speed_mps[k + 1, index] - true_distance_m

@@ -27,6 +27,7 @@ import numpy as np
 
 from pilotfish.errors import ConfigError
 from pilotfish.formation.chain import chain_of, drive_chain
+from pilotfish.formation.relay import Network
 from pilotfish.formation.response import StepResponse, fit_sine, step_response
 from pilotfish.harness.run import OnProgress
 from pilotfish.recording import FloatArray
@@ -53,6 +54,7 @@ class Trial:
     frequencies_hz: tuple[float, ...] = FREQUENCIES_HZ
     seed: int = 1
     coordinator: str | None = None  # path of a configuration; None: the shipped one
+    intents: Network | None = None  # over which each robot announces what it is about to drive; None: nothing is said
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,7 @@ def _run(task: tuple[str, float, float | None], trial: Trial) -> Any:
     """One run: at a frequency (SineAnswer) or of the step (StepResponse and what was seen)."""
     law, headway_s, frequency_hz = task
     formation = chain_of(trial.robots, trial.spacing_m, _content(trial))
-    how = {"headway_s": headway_s, "seed": trial.seed}
+    how = {"headway_s": headway_s, "seed": trial.seed, "intents": trial.intents}
     if frequency_hz is None:
         return _step(law, formation, trial, how)
     start_s, end_s = window_s(trial, frequency_hz)
