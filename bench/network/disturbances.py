@@ -8,7 +8,7 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Disturbance:
-    """Of every packet that crosses, in its sender's direction; loss, delay and reordering as tc-netem(8) defines them."""
+    """Of every packet that crosses; loss, delay and reordering as tc-netem(8) defines them."""
 
     words: str
     loss: float = 0.0  # probability that a packet is lost
@@ -16,11 +16,13 @@ class Disturbance:
     jitter_ms: float = 0.0  # its standard deviation
     reorder: float = 0.0  # probability that a packet is not delayed at all, and so overtakes others
     rate_mbit: float = 0.0  # of every host's sending, by tc-tbf(8); 0: not limited
-    down: Literal["", "link", "interface"] = ""  # for DOWN_S: the cable's far end, or the host's own interface
+    down: Literal["", "link", "interface"] = (
+        ""  # for half of the drive: the cable's far end, or the host's own interface
+    )
 
 
-DOWN_S = 10.0
-DOWN_FROM_S = 8.0  # of the drive
+FROM = 0.4  # of a drive: settled before (after 3.9 s at the latest), and from then on it counts
+DOWN = 0.5  # of a drive: so long the link is down, from FROM on
 
 DISTURBANCES = {
     "none": Disturbance("ideal link"),
@@ -32,8 +34,8 @@ DISTURBANCES = {
     "delay-300": Disturbance("300 ± 75 ms", delay_ms=300.0, jitter_ms=75.0),
     "reorder": Disturbance("a quarter overtakes by 50 ms", delay_ms=50.0, reorder=0.25),
     "rate-20": Disturbance("20 Mbit/s", rate_mbit=20.0),
-    "link-down": Disturbance("link down for 10 s", down="link"),
-    "interface-down": Disturbance("own interface down for 10 s", down="interface"),
+    "link-down": Disturbance("link down for half of it", down="link"),
+    "interface-down": Disturbance("own interface down for half of it", down="interface"),
 }
 
 

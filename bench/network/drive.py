@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 import threading
 import time
@@ -11,20 +12,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import lcm
 import numpy as np
 import yaml
-from disturbances import DISTURBANCES, DOWN_FROM_S, DOWN_S
-from forward import LOCAL_URL, SHARED_URL
+from disturbances import DISTURBANCES, DOWN, FROM
+from forward import BUFFER, LOCAL_URL, SHARED_URL
 from hosts import HERE, Host, Listener, hosts
 
-from pilotfish import data
+from pilotfish import data, sim
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
 from pilotfish.harness.scenario import Scenario
+from pilotfish.lcmtypes.pilotfish.motion_t import motion_t
 from pilotfish.recording import Recording, read_csv
 
-FROM_S = DOWN_FROM_S  # RMS from here to the end: settled before (after 3.9 s at the latest), and disturbed
-READY_S, BUFFER = 20.0, "&recv_buf_size=4194304"
+READY_S = 20.0
 OUT = "{0}_(STATUS|POSE|OBSERVATION|COMMAND|BASE)"
 IN = "LEADER_MOTION|{0}_SETPOINT"
 
@@ -39,19 +41,20 @@ class Plan:
     intent: bool = False  # a host "leader" announces how the leader moves, and the coordinators listen
     lockstep: bool = False
     duration_s: float = 20.0
-    seed: int = 1
+    relay_seed: int = 1
 
 
 @dataclass
 class Driven:
-    """Of one robot; NaN where nothing was recorded in that time."""
+    """Of one robot; the first 40 % of the drive do not count (FROM)."""
 
     robot: str
     scenario: str
     rms_mm: float
-    closest_mm: float  # the largest e(t) = d_p - d(t) from FROM_S on
-    tracking: float  # share of frames from FROM_S on
+    closest_mm: float  # the largest e(t) = d_p - d(t) from then on
+    tracking: float  # share of frames from then on
     frames: int  # that the simulator had the time to render
+    frames_due: int
     watched: int = 0  # messages of it that reached who watches
     watched_gap_s: float = 0.0  # longest time between two of its statuses there
     recording: Recording | None = field(default=None, repr=False)
@@ -60,28 +63,25 @@ class Driven:
 def drive(plan: Plan) -> list[Driven]:
     """Raises HarnessError with what a failing program said. To be called in a network namespace of the caller's own."""
     names = [f"robot{number}" for number in range(1, len(plan.scenarios) + 1)]
-    disturbance = DISTURBANCES[plan.disturbance]
     everybody = [*names, "watcher", *(["leader"] if plan.intent else [])]
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pilotfish-network-")))
-        lan = stack.enter_context(hosts(everybody, plan.disturbance, disturbance, seed=plan.seed, switch=plan.switch))
+        lan = stack.enter_context(
+            hosts(everybody, plan.disturbance, disturbance, seed=plan.relay_seed, switch=plan.switch)
+        )
         url = LOCAL_URL if plan.images == "local" else SHARED_URL
-        scenarios = [
-            _scenario(folder, name, which, plan) for name, which in zip(names, plan.scenarios, strict=True)
-        ]
+        scenarios = [_scenario(folder, name, which, plan) for name, which in zip(names, plan.scenarios, strict=True)]
         for scenario in scenarios:
             _start_robot(stack, lan[scenario.robots[0].name], folder, scenario, plan, url + BUFFER)
-        watcher = Listener(lan["watcher"])
-        first = Listener(lan[names[0]], url)  # its clock is the drive's
+        watcher = Listener(lan["watcher"], SHARED_URL + BUFFER)
         sims = [_start_sim(stack, lan[s.robots[0].name], folder, s, plan, url + BUFFER) for s in scenarios]
-        _wait(lambda: first.listen(0.02) or "ROBOT1_POSE" in first.count, sims)
-        start_s = time.monotonic()
+        start_s = _begun(lan[names[0]], url, sims)
         if plan.intent:
             stack.enter_context(_leader_announces(lan["leader"], scenarios[0], start_s))
         _let_drive(plan, [lan[name] for name in names], watcher, sims, start_s)
         records = [read_csv(folder / f"{name}.csv")[name] for name in names]
     return [
-        _driven(scenario, which, record, watcher)
+        _driven(scenario, which, record, watcher, plan)
         for scenario, which, record in zip(scenarios, plan.scenarios, records, strict=True)
     ]
 
@@ -95,7 +95,7 @@ def _scenario(folder: Path, name: str, which: str, plan: Plan) -> Scenario:
             if place and key in place:
                 place[key] = str((original.parent / place[key]).resolve())
     content["robots"][1]["name"] = name
-    content["seed"] = 100 * plan.seed + int(name[-1])
+    content["seed"] = int(name[-1])
     if plan.nonideal:
         content["hardware"] = str(data.path("hardware/nonideal.yaml"))
     file = folder / f"{name}.yaml"
@@ -112,16 +112,10 @@ def _start_robot(stack: ExitStack, host: Host, folder: Path, scenario: Scenario,
     started = [stack.enter_context(Child(host.command(words), folder, robot.name))]
     if plan.images == "local":
         channels = ["--out", OUT.format(robot.name.upper()), "--in", IN.format(robot.name.upper())]
-        words = ["/proc/self/exe" if False else _python(), HERE / "forward.py", *channels]
+        words = [sys.executable, HERE / "forward.py", *channels]
         started.append(stack.enter_context(Child(host.command(words), folder, f"{robot.name}-forward")))
     for child in started:
         child.wait_until(lambda child=child: "ready" in child.stderr() + child.stdout(), READY_S, "being ready")
-
-
-def _python() -> str:
-    import sys
-
-    return sys.executable
 
 
 def _start_sim(stack: ExitStack, host: Host, folder: Path, scenario: Scenario, plan: Plan, url: str) -> Child:
@@ -132,46 +126,47 @@ def _start_sim(stack: ExitStack, host: Host, folder: Path, scenario: Scenario, p
     return stack.enter_context(Child(host.command(words), folder, f"{name}-sim"))
 
 
-def _wait(condition: Any, sims: list[Child]) -> None:
+def _begun(host: Host, url: str, simulators: list[Child]) -> float:
+    """When the first robot's world has begun to move, on the monotonic clock."""
+    listener = Listener(host, url, "ROBOT1_POSE")
     end_s = time.monotonic() + READY_S
-    while not condition():
-        for sim in sims:
-            if sim.process.poll() is not None:
-                raise sim.error(f"ended with {sim.process.returncode} before it began")
+    while not listener.count:
+        listener.listen(0.02)
+        for simulator in simulators:
+            if simulator.process.poll() not in (None, 0):
+                raise simulator.error(f"ended with {simulator.process.returncode} before it began")
         if time.monotonic() > end_s:
-            raise sims[0].error("does not begin")
+            raise simulators[0].error("does not begin")
+    return time.monotonic()
 
 
-def _let_drive(plan: Plan, robots: list[Host], watcher: Listener, sims: list[Child], start_s: float) -> None:
-    """To the end, with the link down in the middle of it if that is asked for."""
+def _let_drive(plan: Plan, robots: list[Host], watcher: Listener, simulators: list[Child], start_s: float) -> None:
+    """To the end, with the link down in the middle of it if that is asked for. In lock-step nothing waits for the clock, and
+    a drive takes less than its time: there it is down from the beginning on."""
     down = DISTURBANCES[plan.disturbance].down
-    changes = [(start_s + DOWN_FROM_S, True), (start_s + DOWN_FROM_S + DOWN_S, False)] if down else []
-    end_s = start_s + 3.0 * plan.duration_s + READY_S
-    while any(sim.process.poll() is None for sim in sims):
+    from_s = 0.0 if plan.lockstep else FROM * plan.duration_s
+    changes = [(start_s + from_s, True), (start_s + from_s + DOWN * plan.duration_s, False)] if down else []
+    end_s = start_s + 10.0 * plan.duration_s + READY_S
+    while any(simulator.process.poll() is None for simulator in simulators):
         watcher.listen(0.02)
         if changes and time.monotonic() >= changes[0][0]:
             for host in robots:
                 host.set_down(down, changes[0][1])
             changes.pop(0)
         if time.monotonic() > end_s:
-            raise sims[0].error("does not end")
-    for sim in sims:
-        if sim.process.returncode:
-            raise sim.error(f"ended with {sim.process.returncode}")
+            raise simulators[0].error("does not end")
+    for simulator in simulators:
+        if simulator.process.returncode:
+            raise simulator.error(f"ended with {simulator.process.returncode}")
 
 
 @contextmanager
 def _leader_announces(host: Host, scenario: Scenario, start_s: float) -> Iterator[None]:
-    """30 times a second, on the shared bus; in time with the pictures, to within the 20 ms in which the start was noticed."""
-    import lcm
-
-    from pilotfish import sim
-    from pilotfish.lcmtypes.pilotfish.motion_t import motion_t
-
+    """30 times a second, on the shared bus; in time with the pictures to within the 20 ms in which the start is noticed."""
     world = sim.World(sim.load_scenario(scenario.file))
     start_us = world.utime
     with host.entered():
-        bus = lcm.LCM(SHARED_URL)
+        bus = lcm.LCM(SHARED_URL + BUFFER)
     ended = threading.Event()
 
     def announce() -> None:
@@ -193,20 +188,21 @@ def _leader_announces(host: Host, scenario: Scenario, start_s: float) -> Iterato
         thread.join()
 
 
-def _driven(scenario: Scenario, which: str, record: Recording, watcher: Listener) -> Driven:
+def _driven(scenario: Scenario, which: str, record: Recording, watcher: Listener, plan: Plan) -> Driven:
     robot = scenario.robots[0]
     record = scenario.annotate(record, "anticipate", "lcm")
-    late = record.time_s >= FROM_S
+    late = record.time_s >= FROM * plan.duration_s
     error_mm = 1e3 * record.distance_error_m[late]
     upper = robot.name.upper()
     return Driven(
         robot=robot.name,
         scenario=which,
-        rms_mm=float(np.sqrt(np.mean(error_mm**2))) if late.any() else float("nan"),
-        closest_mm=float(error_mm.max()) if late.any() else float("nan"),
-        tracking=float(np.mean(record.status[late] == "tracking")) if late.any() else float("nan"),
+        rms_mm=float(np.sqrt(np.mean(error_mm**2))),
+        closest_mm=float(error_mm.max()),
+        tracking=float(np.mean(record.status[late] == "tracking")),
         frames=len(record),
+        frames_due=scenario.frame_count(plan.duration_s),
         watched=sum(count for channel, count in watcher.count.items() if channel.startswith(upper + "_")),
         watched_gap_s=watcher.longest_gap_s.get(f"{upper}_STATUS", 0.0),
-        recording=record,
+        recording=record if plan.lockstep else None,
     )

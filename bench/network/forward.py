@@ -1,6 +1,6 @@
 """Forwards chosen channels between the bus of a robot's own host and the bus between the hosts, byte for byte.
 
-python bench/network/forward.py --out 'ROBOT1_(STATUS|POSE|OBSERVATION|COMMAND|BASE)' --in 'LEADER_MOTION|ROBOT1_SETPOINT'
+python bench/network/forward.py --out 'ROBOT1_(STATUS|POSE|BASE)' --in 'LEADER_MOTION|ROBOT1_SETPOINT'
 
 A channel must not be in both, in no host: what was forwarded once would be forwarded back.
 """
@@ -15,6 +15,7 @@ import lcm
 
 LOCAL_URL = "udpm://239.255.76.67:7667?ttl=0"
 SHARED_URL = "udpm://239.255.76.68:7668?ttl=1"
+BUFFER = "&recv_buf_size=4194304"
 
 
 def forward(source: lcm.LCM, target: lcm.LCM, channels: str) -> None:
@@ -34,8 +35,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", default="", help="channels from the local bus to the shared one; a regular expression")
     parser.add_argument("--in", dest="inside", default="", help="channels from the shared bus to the local one")
-    parser.add_argument("--local-url", default=LOCAL_URL, help=f"default: {LOCAL_URL}")
-    parser.add_argument("--shared-url", default=SHARED_URL, help=f"default: {SHARED_URL}")
+    parser.add_argument("--local-url", default=LOCAL_URL + BUFFER, help=f"default: {LOCAL_URL}")
+    parser.add_argument("--shared-url", default=SHARED_URL + BUFFER, help=f"default: {SHARED_URL}")
     chosen = parser.parse_args()
     local, shared = lcm.LCM(chosen.local_url), lcm.LCM(chosen.shared_url)
     forward(local, shared, chosen.out)

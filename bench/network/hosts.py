@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from disturbances import Disturbance, netem_words
-from forward import SHARED_URL
+import lcm
+from disturbances import DISTURBANCES, netem_words
 from namespaces import Namespace, run_ip
 
 from pilotfish.harness.child import Child
@@ -50,9 +51,10 @@ class Host(Namespace):
 
 
 @contextmanager
-def hosts(names: Sequence[str], key: str, disturbance: Disturbance, *, seed: int, switch: str) -> Iterator[dict[str, Host]]:
-    """All connected. The switch is this kernel's bridge ("bridge"), the bridge with netem ("netem") or our relay ("relay").
-    To be called in a network namespace of the caller's own."""
+def hosts(names: Sequence[str], disturbance: str, *, seed: int, switch: str) -> Iterator[dict[str, Host]]:
+    """All connected. The switch is this kernel's bridge ("bridge"), the bridge with netem ("netem") or our relay ("relay"):
+    only the last two lose and delay. To be called in a network namespace of the caller's own."""
+    chosen = DISTURBANCES[disturbance]
     with ExitStack() as stack:
         made = {name: Host(name, number) for number, name in enumerate(names, 1)}
         for host in made.values():
@@ -61,7 +63,16 @@ def hosts(names: Sequence[str], key: str, disturbance: Disturbance, *, seed: int
             run_ip(f"link set {host.port} up")
         if switch == "relay":
             ports = [host.port for host in made.values()]
-            words = ["setpriv", "--pdeathsig", "KILL", sys.executable, HERE / "relay.py", key, str(seed), *ports]
+            words = [
+                "setpriv",
+                "--pdeathsig",
+                "KILL",
+                sys.executable,
+                HERE / "relay.py",
+                disturbance,
+                str(seed),
+                *ports,
+            ]
             relay = stack.enter_context(Child(words, Path(stack.enter_context(_folder())), "relay"))
             relay.wait_until(lambda: "ready" in relay.stdout(), 10.0, "being ready")
         else:
@@ -69,18 +80,16 @@ def hosts(names: Sequence[str], key: str, disturbance: Disturbance, *, seed: int
             stack.callback(run_ip, "link delete lan")
             for host in made.values():
                 run_ip(f"link set {host.port} master lan")
-                if words := netem_words(disturbance) if switch == "netem" else []:
+                if words := netem_words(chosen) if switch == "netem" else []:
                     host.shape(words)
-        if disturbance.rate_mbit:
+        if chosen.rate_mbit:
             for host in made.values():
-                host.shape(["tbf", "rate", f"{disturbance.rate_mbit:g}mbit", "burst", "32kb", "latency", "400ms"])
+                host.shape(["tbf", "rate", f"{chosen.rate_mbit:g}mbit", "burst", "32kb", "latency", "400ms"])
         yield made
 
 
 @contextmanager
 def _folder() -> Iterator[str]:
-    import tempfile
-
     with tempfile.TemporaryDirectory(prefix="pilotfish-network-") as folder:
         yield folder
 
@@ -88,16 +97,14 @@ def _folder() -> Iterator[str]:
 class Listener:
     """Somebody who watches: what reaches a host on the shared bus, by channel."""
 
-    def __init__(self, host: Host, url: str = SHARED_URL) -> None:
-        import lcm
-
+    def __init__(self, host: Host, url: str, channels: str = ".*") -> None:
         self.count: dict[str, int] = {}
         self.bytes = 0
         self.longest_gap_s: dict[str, float] = {}
         self._last_s: dict[str, float] = {}
         with host.entered():
             self._bus = lcm.LCM(url)
-            self._bus.subscribe(".*", self._heard)
+            self._bus.subscribe(channels, self._heard)
 
     def listen(self, seconds: float) -> None:
         """Handles what comes in that time."""
