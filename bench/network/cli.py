@@ -37,8 +37,8 @@ def main(
     switch: Annotated[str, typer.Option(help="relay: our own; netem: this kernel's, where it has it.")] = "relay",
     out: Annotated[Path, typer.Option(help="Folder for network.json.")] = Path("out"),
 ) -> None:
-    """Every robot has a network namespace of its own, with its pilotfish-sim (its camera) and its pilotfish-coordinator;
-    a further host watches. What crosses is disturbed. Needs no root where user namespaces are permitted.
+    """Every robot has a network namespace of its own, with its pilotfish-sim (its camera) and its
+    pilotfish-coordinator; a further host watches. What crosses is disturbed. Needs no root where user namespaces are permitted.
 
     \b
     Parts

@@ -16,9 +16,7 @@ class Disturbance:
     jitter_ms: float = 0.0  # its standard deviation
     reorder: float = 0.0  # probability that a packet is not delayed at all, and so overtakes others
     rate_mbit: float = 0.0  # of every host's sending, by tc-tbf(8); 0: not limited
-    down: Literal["", "link", "interface"] = (
-        ""  # for half of the drive: the cable's far end, or the host's own interface
-    )
+    down: Literal["", "link", "interface"] = ""  # for half of the drive: far end, or own interface
 
 
 FROM = 0.4  # of a drive: settled before (after 3.9 s at the latest), and from then on it counts

@@ -66,9 +66,7 @@ def drive(plan: Plan) -> list[Driven]:
     everybody = [*names, "watcher", *(["leader"] if plan.intent else [])]
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pilotfish-network-")))
-        lan = stack.enter_context(
-            hosts(everybody, plan.disturbance, disturbance, seed=plan.relay_seed, switch=plan.switch)
-        )
+        lan = stack.enter_context(hosts(everybody, plan.disturbance, seed=plan.relay_seed, switch=plan.switch))
         url = LOCAL_URL if plan.images == "local" else SHARED_URL
         scenarios = [_scenario(folder, name, which, plan) for name, which in zip(names, plan.scenarios, strict=True)]
         for scenario in scenarios:
@@ -141,8 +139,8 @@ def _begun(host: Host, url: str, simulators: list[Child]) -> float:
 
 
 def _let_drive(plan: Plan, robots: list[Host], watcher: Listener, simulators: list[Child], start_s: float) -> None:
-    """To the end, with the link down in the middle of it if that is asked for. In lock-step nothing waits for the clock, and
-    a drive takes less than its time: there it is down from the beginning on."""
+    """To the end, with the link down in the middle of it if that is asked for. In lock-step nothing waits for the
+    clock, and a drive takes less than its time: there it is down from the beginning on."""
     down = DISTURBANCES[plan.disturbance].down
     from_s = 0.0 if plan.lockstep else FROM * plan.duration_s
     changes = [(start_s + from_s, True), (start_s + from_s + DOWN * plan.duration_s, False)] if down else []
@@ -162,7 +160,7 @@ def _let_drive(plan: Plan, robots: list[Host], watcher: Listener, simulators: li
 
 @contextmanager
 def _leader_announces(host: Host, scenario: Scenario, start_s: float) -> Iterator[None]:
-    """30 times a second, on the shared bus; in time with the pictures to within the 20 ms in which the start is noticed."""
+    """30 times a second, on the shared bus; in time with the pictures to within 20 ms, in which the start is noticed."""
     world = sim.World(sim.load_scenario(scenario.file))
     start_us = world.utime
     with host.entered():

@@ -52,8 +52,8 @@ class Host(Namespace):
 
 @contextmanager
 def hosts(names: Sequence[str], disturbance: str, *, seed: int, switch: str) -> Iterator[dict[str, Host]]:
-    """All connected. The switch is this kernel's bridge ("bridge"), the bridge with netem ("netem") or our relay ("relay"):
-    only the last two lose and delay. To be called in a network namespace of the caller's own."""
+    """All connected. The switch is this kernel's bridge ("bridge"), the bridge with netem ("netem") or our relay
+    ("relay"): only the last two lose and delay. To be called in a network namespace of the caller's own."""
     chosen = DISTURBANCES[disturbance]
     with ExitStack() as stack:
         made = {name: Host(name, number) for number, name in enumerate(names, 1)}

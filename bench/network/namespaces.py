@@ -1,8 +1,8 @@
 """Network namespaces that end with the process that made them.
 
-A namespace is kept by an open descriptor, not by a name in /run/netns, and every program in it is killed by the kernel when
-this process ends (PR_SET_PDEATHSIG). So nothing is left behind, not after Ctrl-C and not after SIGKILL: the kernel removes a
-namespace, and the virtual cables that end in it, with its last descriptor and process.
+A namespace is kept by an open descriptor, not by a name in /run/netns, and every program in it is killed by the kernel
+when this process ends (PR_SET_PDEATHSIG). So nothing is left behind, not after Ctrl-C and not after SIGKILL: the kernel
+removes a namespace, and the virtual cables that end in it, with its last descriptor and process.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class NetworkNotPermittedError(RuntimeError):
 
 
 def become_root_of_a_user_namespace() -> None:
-    """Who is not root runs this program again, as the root of a user namespace; others: nothing happens. To be called before
-    any thread begins, and with nothing done yet."""
+    """Who is not root runs this program again, as the root of a user namespace; for root nothing happens. To be called
+    before any thread begins, and with nothing done yet. Raises NetworkNotPermittedError."""
     if missing := sorted({package for tool, package in _TOOLS.items() if not shutil.which(tool)}):
         raise NetworkNotPermittedError(f"programs are missing: sudo apt install {' '.join(missing)}")
     if os.geteuid() == 0:
@@ -45,7 +45,8 @@ def become_root_of_a_user_namespace() -> None:
 _ADVICE = (
     "network namespaces are not permitted to this user. Run it as root, or permit user namespaces: "
     "sudo sysctl kernel.unprivileged_userns_clone=1 (Debian), "
-    "sudo sysctl kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu 24.04); in a container: --cap-add NET_ADMIN,SYS_ADMIN"
+    "sudo sysctl kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu 24.04); "
+    "in a container: --cap-add NET_ADMIN --cap-add SYS_ADMIN"
 )
 
 

@@ -95,6 +95,5 @@ def rows_of(runs: dict[str, list[list[Driven]]]) -> list[Row]:
 def _same(one: Recording | None, other: Recording | None) -> bool | None:
     if one is None or other is None:
         return None
-    return all(
-        np.array_equal(a := getattr(one, name), getattr(other, name), equal_nan=a.dtype.kind == "f") for name in COLUMNS
-    )
+    pairs = [(getattr(one, name), getattr(other, name)) for name in COLUMNS]
+    return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in pairs)

@@ -1,7 +1,8 @@
-"""A switch that loses, delays and reorders: what tc-netem(8) does, for kernels without it, and the same with the same seed.
+"""A switch that loses, delays and reorders: what tc-netem(8) does, for kernels without it; seeded.
 
-A process of its own, between the hub's ends of the virtual cables: every frame that comes in on one goes out on all others,
-each copy with a fate of its own. PACKET_VNET_HDR hands on what the sender's kernel left to the network card (checksums).
+A process of its own, between the hub's ends of the virtual cables: every frame that comes in on one goes out on all
+others, each copy with a fate of its own. PACKET_VNET_HDR hands on what the sender's kernel left to the network card
+(checksums).
 """
 
 from __future__ import annotations
