@@ -19,7 +19,9 @@ from parts import PARTS, Row, rows_of
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
+from wheels import stopping_ms
 
+from bench.common.statistics import quantile
 from pilotfish.errors import HarnessError
 
 console = Console(width=140)
@@ -28,17 +30,18 @@ _UNAVAILABLE, _INTERNAL = 69, 70
 
 def main(
     quick: Annotated[bool, typer.Option("--quick", help="Once each, ideal link and the worst of each kind.")] = False,
-    part: Annotated[list[str] | None, typer.Option(help=f"Only this one of {', '.join(PARTS)}.")] = None,
+    part: Annotated[list[str] | None, typer.Option(help=f"Only this one of {', '.join((*PARTS, 'wheels'))}.")] = None,
     disturbance: Annotated[
         list[str] | None, typer.Option(help=f"Only this one of {', '.join(DISTURBANCES)}; besides the ideal link.")
     ] = None,
     repetitions: Annotated[int, typer.Option(min=1, max=100, help="Of every drive in real time.")] = 3,
-    duration_s: Annotated[float, typer.Option(min=3.0, max=600.0, help="Of a drive.")] = 20.0,
+    duration_s: Annotated[float, typer.Option(min=1.0, max=600.0, help="Of a drive.")] = 20.0,
     switch: Annotated[str, typer.Option(help="relay: our own; netem: this kernel's, where it has it.")] = "relay",
     out: Annotated[Path, typer.Option(help="Folder for network.json.")] = Path("out"),
 ) -> None:
     """Every robot has a network namespace of its own, with its pilotfish-sim (its camera) and its
-    pilotfish-coordinator; a further host watches. What crosses is disturbed. Needs no root where user namespaces are permitted.
+    pilotfish-coordinator; a further host watches. What crosses between them is disturbed. Needs no root where user
+    namespaces are permitted.
 
     \b
     Parts
@@ -46,11 +49,12 @@ def main(
       following   the same in real time: RMS distance error, beside the spread of identical repetitions
       nonideal    the same with data/hardware/nonideal.yaml
       images      everything on the shared bus: free, at 20 Mbit/s, with the link and with the interface down
+      wheels      the link between the coordinator's host and the wheels' goes down: time to the first zero
       intent      stop_dead, with the leader's intent over the disturbed link: closest approach
 
     The RMS is over the true distance from 40 % of the drive to the end; link and interface are down from 40 to 90 %.
     """
-    for asked, known in ((part, PARTS), (disturbance, DISTURBANCES), ([switch], ("relay", "netem"))):
+    for asked, known in ((part, [*PARTS, "wheels"]), (disturbance, DISTURBANCES), ([switch], ("relay", "netem"))):
         if wrong := sorted(set(asked or ()) - set(known)):
             raise typer.BadParameter(f"{', '.join(wrong)}: there is {', '.join(known)}")
     if switch == "netem" and not _has_netem():
@@ -59,7 +63,15 @@ def main(
     report: dict[str, object] = {"machine": platform.processor() or platform.machine(), "cores": os.cpu_count()}
     out.mkdir(parents=True, exist_ok=True)
     different = False
-    for name in part or PARTS:
+    for name in part or [*PARTS, "wheels"]:
+        if name == "wheels":
+            stopped = stopping_ms(3 if quick else 30)
+            console.print(
+                f"wheels: link down to the first zero, {len(stopped)} times: "
+                f"median {quantile(stopped, 0.5):.1f} ms, at most {max(stopped):.1f} ms"
+            )
+            report[name] = {"ms": stopped}
+            continue
         chosen = PARTS[name]
         keys = [key for key in (chosen.quick if quick else chosen.disturbances) if key in (disturbance or DISTURBANCES)]
         keys = ["none", *(key for key in keys if key != "none")]
@@ -70,10 +82,15 @@ def main(
         different = different or any(row.identical is False for row in rows)
         console.print(_table(name, rows))
         report[name] = {"plan": asdict(plan), "repetitions": times, "rows": [asdict(row) for row in rows]}
-        (out / "network.json").write_text(json.dumps(report, indent=1) + "\n")
+        _write(out, report)
+    _write(out, report)
     console.print(f"wrote {out / 'network.json'}")
     if different:
         raise typer.Exit(1)
+
+
+def _write(out: Path, report: dict[str, object]) -> None:
+    (out / "network.json").write_text(json.dumps(report, indent=1) + "\n")
 
 
 def _runs(name: str, plan: Plan, keys: Sequence[str], times: int) -> dict[str, list[list[Driven]]]:
@@ -92,7 +109,7 @@ def _runs(name: str, plan: Plan, keys: Sequence[str], times: int) -> dict[str, l
 
 def _table(name: str, rows: list[Row]) -> Table:
     table = Table(title=f"{name}: {PARTS[name].words}", title_justify="left")
-    columns = ["scenario", "link", "RMS [mm]", "min .. max", "change", "spread when ideal", "closest [mm]", "tracking"]
+    columns = ["scenario", "link", "RMS [mm]", "min..max", "change [mm]", "ideal spread", "closest [mm]", "tracking"]
     for column in (*columns, "rendered", "watched", "gap [s]", "to the bit"):
         table.add_column(column, justify="left" if column in ("scenario", "link") else "right")
     for row in rows:
@@ -100,9 +117,9 @@ def _table(name: str, rows: list[Row]) -> Table:
             row.scenario,
             row.link,
             f"{row.rms_mm:.3f}",
-            f"{row.rms_min_mm:.3f} .. {row.rms_max_mm:.3f}",
-            f"{row.change_mm:+.3f} mm, {100 * row.change:+.1f} %",
-            f"{row.ideal_spread_mm:.3f} mm",
+            f"{row.rms_min_mm:.3f}..{row.rms_max_mm:.3f}",
+            f"{row.change_mm:+.3f}" + (f" ({100 * row.change:+.1f} %)" if abs(row.change) < 10 else ""),
+            f"{row.ideal_spread_mm:.3f}",
             f"{row.closest_mm:.2f}",
             f"{row.tracking:.1%}",
             f"{row.rendered:.1%}",

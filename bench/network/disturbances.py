@@ -30,10 +30,10 @@ DISTURBANCES = {
     "delay-20": Disturbance("20 ± 5 ms", delay_ms=20.0, jitter_ms=5.0),
     "delay-100": Disturbance("100 ± 25 ms", delay_ms=100.0, jitter_ms=25.0),
     "delay-300": Disturbance("300 ± 75 ms", delay_ms=300.0, jitter_ms=75.0),
-    "reorder": Disturbance("a quarter overtakes by 50 ms", delay_ms=50.0, reorder=0.25),
+    "reorder": Disturbance("a quarter 50 ms early", delay_ms=50.0, reorder=0.25),
     "rate-20": Disturbance("20 Mbit/s", rate_mbit=20.0),
-    "link-down": Disturbance("link down for half of it", down="link"),
-    "interface-down": Disturbance("own interface down for half of it", down="interface"),
+    "link-down": Disturbance("link down", down="link"),
+    "interface-down": Disturbance("interface down", down="interface"),
 }
 
 

@@ -73,7 +73,7 @@ def drive(plan: Plan) -> list[Driven]:
             _start_robot(stack, lan[scenario.robots[0].name], folder, scenario, plan, url + BUFFER)
         watcher = Listener(lan["watcher"], SHARED_URL + BUFFER)
         sims = [_start_sim(stack, lan[s.robots[0].name], folder, s, plan, url + BUFFER) for s in scenarios]
-        start_s = _begun(lan[names[0]], url, sims)
+        start_s = _begun(lan[names[0]], url + BUFFER, sims)
         if plan.intent:
             stack.enter_context(_leader_announces(lan["leader"], scenarios[0], start_s))
         _let_drive(plan, [lan[name] for name in names], watcher, sims, start_s)
@@ -160,7 +160,7 @@ def _let_drive(plan: Plan, robots: list[Host], watcher: Listener, simulators: li
 
 @contextmanager
 def _leader_announces(host: Host, scenario: Scenario, start_s: float) -> Iterator[None]:
-    """30 times a second, on the shared bus; in time with the pictures to within 20 ms, in which the start is noticed."""
+    """30 times a second, on the shared bus; in time with the pictures to within 20 ms."""
     world = sim.World(sim.load_scenario(scenario.file))
     start_us = world.utime
     with host.entered():
