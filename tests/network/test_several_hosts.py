@@ -135,9 +135,12 @@ print(json.dumps([[delay_s(kind, rng) for _ in range(10000)] for kind in kinds])
 
 
 def test_netem_is_asked_for_the_same_in_its_own_words():
-    words = in_bench(
-        "import json; from disturbances import *; print(json.dumps({k: netem_words(d) for k, d in DISTURBANCES.items()}))"
-    )
+    code = """
+import json
+from disturbances import DISTURBANCES, netem_words
+print(json.dumps({name: netem_words(disturbance) for name, disturbance in DISTURBANCES.items()}))
+"""
+    words = in_bench(code)
     assert words["none"] == words["link-down"] == []
     assert words["loss-5"] == ["netem", "loss", "5%"]
     assert words["delay-100"] == ["netem", "delay", "100ms", "25ms", "distribution", "normal"]
