@@ -86,6 +86,8 @@ def hosts(names: Sequence[str], disturbance: str, *, seed: int, switch: str) -> 
             for host in made.values():
                 host.shape(["tbf", "rate", f"{chosen.rate_mbit:g}mbit", "burst", "32kb", "latency", "400ms"])
         yield made
+        if switch == "relay" and relay.process.poll() is not None:
+            raise relay.error("the relay ended in the middle")
 
 
 @contextmanager

@@ -39,7 +39,10 @@ def relay(ports: list[str], disturbance: Disturbance, seed: int) -> None:
     while True:
         wait_s = max(under_way[0][0] - time.monotonic(), 0.0) if under_way else None
         for came_in in select.select(sockets, [], [], wait_s)[0]:
-            frame, now_s = came_in.recv(65536 + 64), time.monotonic()
+            try:
+                frame, now_s = came_in.recv(65536 + 64), time.monotonic()
+            except OSError:
+                continue  # its link went down, which is said once; the socket remains, for when the link is up again
             for out in sockets:
                 if out is not came_in and (later_s := delay_s(disturbance, rng)) is not None:
                     heapq.heappush(under_way, (now_s + later_s, next(order), out, frame))

@@ -33,7 +33,7 @@ def stopping_ms(repetitions: int) -> list[float]:
     rng = random.Random(23)
     found: list[float] = []
     with ExitStack() as stack:
-        lan = stack.enter_context(hosts(["robot1", "wheels"], "none", seed=1, switch="bridge"))
+        lan = stack.enter_context(hosts(["robot1", "wheels"], "none", seed=1, switch="relay"))
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="pilotfish-network-")))
         url = SHARED_URL + BUFFER
         words = [find_executable(BASE), "--config", data.path("config/base.yaml"), "--driver", "dry_run"]
