@@ -8,6 +8,7 @@ scripts/bench network -- --part following --disturbance loss-50 --repetitions 5
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 
@@ -27,4 +28,5 @@ if __name__ == "__main__":
         sys.exit(UNAVAILABLE)
     from cli import run
 
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))  # so that temporary folders go, too
     run()
