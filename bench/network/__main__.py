@@ -1,6 +1,6 @@
 """Robots on hosts of their own, with the network between them disturbed: does following suffer?
 
-Takes: 40 minutes; 3 with --quick.
+Takes: 35 minutes; 6 with --quick.
 scripts/bench network
 scripts/bench network -- --quick                                 lock-step and one repetition of the worst
 scripts/bench network -- --part following --disturbance loss-50 --repetitions 5

@@ -24,7 +24,7 @@ from wheels import stopping_ms
 from bench.common.statistics import quantile
 from pilotfish.errors import HarnessError
 
-console = Console(width=140)
+console = Console(width=160)
 _UNAVAILABLE, _INTERNAL = 69, 70
 
 
