@@ -89,7 +89,7 @@ def test_every_command_of_a_guide_is_one_that_its_program_takes(page, command, t
     elif program == "python" and words[0] == "-m":
         assert (ROOT / "python" / words[1].replace(".", "/")).with_suffix(".py").is_file()
     elif program == "python":  # an example; tests/ros runs those of docs/ros.md
-        assert words[0].startswith("examples/") and (ROOT / words[0]).is_file()
+        assert words[0].startswith(("examples/", "bench/")) and (ROOT / words[0]).is_file()
     elif program.startswith(("scripts/", "apps/")):
         assert (ROOT / program).is_file()
     else:
