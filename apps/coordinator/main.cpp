@@ -63,6 +63,7 @@ config::CoordinatorFile load(const Options& options) {
   }
   if (options.odometry) file.odometry = config::odometry_from(*options.odometry);
   if (options.leader_intent_from) file.leader_intent_from = config::leader_intent_from(*options.leader_intent_from);
+  file.publish_intent = file.publish_intent || options.publish_intent;
   return file;
 }
 

@@ -73,6 +73,8 @@ ParsedOptions parse_options(int argc, char** argv) {
       ->check(CLI::IsMember({"none", "pose"}));
   app.add_option("--leader-intent-from", options.leader_intent_from,
                  "the leader's name on the bus, to receive what it announces on its NAME_MOTION; none: disabled");
+  app.add_flag("--publish-intent", options.publish_intent,
+               "what it is about to drive is announced on its NAME_MOTION, for robots that follow it");
   app.add_option("--black-box", options.black_box,
                  "folder for a ring of recordings, from which pilotfish replay recomputes every command");
   auto* record = app.add_option("--record", options.record,

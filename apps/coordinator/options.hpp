@@ -22,6 +22,7 @@ struct Options : ConfigOptions {
   std::optional<std::string> tuning;
   std::optional<std::string> odometry;
   std::optional<std::string> leader_intent_from;
+  bool publish_intent = false;
   std::optional<std::string> black_box;
   std::optional<std::string> record;
   bool record_raw = false;

@@ -14,6 +14,7 @@ from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.over_lcm import run_over_lcm
 from pilotfish.lcmtypes.bot_core.pose_t import pose_t
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
+from pilotfish.lcmtypes.pilotfish.motion_t import motion_t
 from pilotfish.lcmtypes.pilotfish.status_t import status_t
 from scenes import leader_pictures
 
@@ -107,6 +108,22 @@ def test_the_latency_from_exposure_to_command_is_published_and_a_wrong_one_named
     assert 0.080 <= status.latency_s < 0.5
     said = [line for line in onboard.child.stderr().splitlines() if "control.drive.latency_s" in line]
     assert len(said) == 1 and "says 33 ms" in said[0]
+
+
+def test_what_it_is_about_to_drive_is_announced_for_when_it_will_have_taken_effect(tmp_path):
+    """One latency (1/30 s) and one lag (0.1 s) after the picture; a picture without a leader announces zero at once."""
+    frames = leader_pictures(4)
+    blank = core.Frame(np.full_like(frames[0].image, 128), utime=frames[-1].utime + 400_000)
+    announced = []
+    with Listening(tmp_path, "--publish-intent") as onboard:
+        onboard.bus.subscribe("ROBOT1_MOTION", lambda _, data: announced.append(motion_t.decode(data)))
+        answers = [onboard.answer_to(frame) for frame in (*frames, blank)]
+        onboard.listen_until(lambda: len(announced) >= len(answers), "what it announces")
+    ahead_us = round(1e6 * (1 / 30 + 0.1))
+    expected = [frame.utime + ahead_us for frame in frames] + [blank.utime]
+    assert [said.utime for said in announced] == pytest.approx(expected, abs=1)
+    assert [said.linear_mps for said in announced] == [answer.linear_mps for answer in answers]
+    assert announced[-1].linear_mps == 0.0 and answers[0].linear_mps > 0.0
 
 
 def test_odometry_that_cannot_be_used_is_counted_and_changes_nothing(tmp_path):
