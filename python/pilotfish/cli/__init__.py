@@ -19,6 +19,7 @@ from pilotfish.cli.export import export
 from pilotfish.cli.formation import app as formation_app
 from pilotfish.cli.fuzzy import app as fuzzy_app
 from pilotfish.cli.help_text import let_help_flow
+from pilotfish.cli.identify import identify
 from pilotfish.cli.init import init
 from pilotfish.cli.leader import app as leader_app
 from pilotfish.cli.learn_body import learn_body
@@ -36,7 +37,7 @@ from pilotfish.cli.view import view
 _COMMANDS = {
     "Set up a robot": (tags, learn_body, init, doctor, data),
     "See and drive": (view, top, stop, go, resume, setpoint),
-    "Recordings": (plot, report, export, replay),
+    "Recordings": (plot, report, export, replay, identify),
     "Simulate": (demo, experiment, render, tune),
 }
 _GROUPS = {

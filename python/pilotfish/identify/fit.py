@@ -32,7 +32,7 @@ from pilotfish.identify.own_path import SetValues, own_poses, set_values
 
 NAMES = ("latency_s", "lag_s", "linear_gain", "angular_gain", "camera_yaw_rad")
 PRIOR_MEAN = np.array([0.1, 0.1, 1.0, 1.0, 0.0])
-PRIOR_SIGMA = np.array([0.3, 0.5, 0.2, 0.2, 0.1])
+PRIOR_SIGMA = np.array([0.3, 0.5, 0.1, 0.1, 0.05])
 _LOW = np.array([0.0, 0.0, 0.5, 0.5, -0.5])
 _HIGH = np.array([0.5, 1.5, 1.5, 1.5, 0.5])
 _STEPS = np.array([1e-3, 1e-3, 1e-3, 1e-3, 1e-4])  # of the derivatives
@@ -156,7 +156,7 @@ def _refined(
     for turn in range(rounds):
         a, speed = problem.changes(p), problem.speed(p)
         noises = [
-            learn_noise(problem.rows, problem.sigmas()[c], speed, a[:, c], noises[c], rounds=3 if turn == 0 else 1)
+            learn_noise(problem.rows, problem.sigmas()[c], speed, a[:, c], noises[c], rounds=4 if turn == 0 else 1)
             for c in (0, 1)
         ]
         lowers = [factor(_bands(problem, p, c, noises[c])) for c in (0, 1)]
@@ -262,5 +262,3 @@ def _long_run(scores: FloatArray, rows: Differences, time_s: FloatArray) -> Floa
         product = scores[:-lag].T @ scores[lag:]
         total += (1 - lag / reach) * (product + product.T)
     return total
-
-

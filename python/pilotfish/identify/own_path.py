@@ -22,7 +22,7 @@ from scipy.signal import lfilter
 
 from pilotfish.identify.evidence import Evidence, FloatArray
 
-STEP_S = 0.004
+STEP_S = 0.002
 _LEAD_S = 1.0  # the grid begins so long before the first exposure or command
 
 
