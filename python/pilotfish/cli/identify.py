@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from pilotfish.cli.console import byte_progress, check_writable, console, friendly_errors, tell, warn, working
+from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, print_whole, tell, warn, working
 from pilotfish.cli.options import between
 from pilotfish.errors import RecordingError
 
@@ -117,14 +117,18 @@ def _only(log: Path, robots: list[RobotRun], channels: list[str]) -> RobotRun:
 
 def _show(robot: RobotRun, fit: DriveFit, verdicts: list[KeyVerdict]) -> None:
     online = _online(robot)
-    table = Table(title=f"{robot.name}: {fit.frames} frames, {fit.duration_s:.1f} s")
-    for name in ("key", "fitted", "run had", "online (STATUS)", "verdict"):
-        table.add_column(name, justify="left", overflow="fold")
+    tell(f"{robot.name}: {fit.frames} frames, {fit.duration_s:.1f} s")
+    table = Table()
+    for name in ("key", "fitted", "run had", "online (STATUS)"):
+        table.add_column(name, no_wrap=True)
     for row in verdicts:
         fitted = "-" if row.value is None or row.sigma is None else f"{row.value:.4f} +- {row.sigma:.4f}"
         had = "-" if row.had is None else f"{row.had:.4g}{' (default)' if row.had_default else ''}"
-        table.add_row(row.key, fitted, had, online.get(row.key, "-"), row.verdict)
-    console.print(table)
+        table.add_row(row.key, fitted, had, online.get(row.key, "-"))
+    print_whole(table, 160)
+    for row in verdicts:
+        tell(f"{row.key}: {row.verdict}")
+    tell("")
     for text, found in (("speed gain", fit.linear_gain), ("turn gain", fit.angular_gain)):
         weak = "" if found.observable else "  (not observable in this run)"
         tell(f"{text:<22}{found.value:.4f} +- {found.sigma:.4f}{weak}")

@@ -38,6 +38,7 @@ _HIGH = np.array([0.5, 1.5, 1.5, 1.5, 0.5])
 _STEPS = np.array([1e-3, 1e-3, 1e-3, 1e-3, 1e-4])  # of the derivatives
 _GRID_LATENCY_S = np.arange(0.01, 0.42, 0.02)
 _GRID_LAG_S = (0.01, 0.05, 0.1, 0.18, 0.3, 0.45, 0.7)
+_CANDIDATES, _STARTS = 12, 4
 _CORRELATED_S = 1.0  # B above
 
 
@@ -113,8 +114,8 @@ def fit_drive(evidence: Evidence, *, max_mps2: float = 1.0, max_radps2: float = 
 
 
 def _starts(problem: _Problem) -> list[FloatArray]:
-    """The best place of the grid and the best that is not its neighbour. Robust: the logarithm bounds what an abrupt
-    leader can say."""
+    """The best places of the grid that are not neighbours, ranked again with noise of their own, since one that is wrong
+    makes the leader look wild. Robust: the logarithm bounds what an abrupt leader can say."""
     first = np.array([0.05, 0.1, 1.0, 1.0, 0.0])
     lowers = [factor(_bands(problem, first, c, _first_noise(problem.rows))) for c in (0, 1)]
     costs = np.empty((len(_GRID_LATENCY_S), len(_GRID_LAG_S)))
@@ -123,15 +124,16 @@ def _starts(problem: _Problem) -> list[FloatArray]:
             a = problem.changes(np.array([latency_s, lag_s, 1.0, 1.0, 0.0]))
             e = [whitened(lowers[c], a[:, c]) for c in (0, 1)]
             costs[i, j] = sum(_robust(one) for one in e)
-    order = np.argsort(costs, axis=None)
     chosen: list[tuple[int, int]] = []
-    for at in order:
+    for at in np.argsort(costs, axis=None):
         i, j = divmod(int(at), len(_GRID_LAG_S))
-        if all(abs(i - a) > 3 or abs(j - b) > 2 for a, b in chosen):
+        if all(abs(i - a) > 1 or abs(j - b) > 1 for a, b in chosen):
             chosen.append((i, j))
-        if len(chosen) == 2:
+        if len(chosen) == _CANDIDATES:
             break
-    return [np.array([_GRID_LATENCY_S[i], _GRID_LAG_S[j], 1.0, 1.0, 0.0]) for i, j in chosen]
+    places = [np.array([_GRID_LATENCY_S[i], _GRID_LAG_S[j], 1.0, 1.0, 0.0]) for i, j in chosen]
+    places.sort(key=lambda p: _refined(problem, p, rounds=1, quick=True)[0])
+    return places[:_STARTS]
 
 
 def _robust(e: FloatArray) -> float:
@@ -148,7 +150,7 @@ def _bands(problem: _Problem, p: FloatArray, channel: int, noise: Noise) -> Floa
 
 
 def _refined(
-    problem: _Problem, p: FloatArray, rounds: int, noises: list[Noise] | None = None
+    problem: _Problem, p: FloatArray, rounds: int, noises: list[Noise] | None = None, *, quick: bool = False
 ) -> tuple[float, FloatArray, list[Noise], bool]:
     """Cost, parameters, noises. Noise and parameters in turn."""
     noises = noises or [_first_noise(problem.rows)] * 2
@@ -156,12 +158,14 @@ def _refined(
     for turn in range(rounds):
         a, speed = problem.changes(p), problem.speed(p)
         noises = [
-            learn_noise(problem.rows, problem.sigmas()[c], speed, a[:, c], noises[c], rounds=4 if turn == 0 else 1)
+            learn_noise(
+                problem.rows, problem.sigmas()[c], speed, a[:, c], noises[c], rounds=4 if turn == 0 and not quick else 1
+            )
             for c in (0, 1)
         ]
         lowers = [factor(_bands(problem, p, c, noises[c])) for c in (0, 1)]
         before = p
-        for _ in range(3):
+        for _ in range(1 if quick else 3):
             p = _step(problem, p, lowers)
         moved = float(np.max(np.abs((p - before) / _STEPS)))
     lowers = [factor(_bands(problem, p, c, noises[c])) for c in (0, 1)]
@@ -237,8 +241,8 @@ def _result(problem: _Problem, p: FloatArray, noises: list[Noise], converged: bo
 
 
 def _seen_speed(problem: _Problem, p: FloatArray, noises: list[Noise]) -> FloatArray:
-    """The own forward speed as sight has it, (N,): the leader's smoothed speed along the line of sight, less the change of
-    the distance. The leader's is the fitted track's, averaged over half a second."""
+    """The own forward speed as sight has it, (N,): the leader's smoothed velocity less the change of where it is seen.
+    The leader's is the fitted track's, averaged over half a second."""
     evidence = problem.evidence
     x, y, heading, _ = own_poses(problem.values, evidence.time_s, *p[:4])
     sight = heading + evidence.bearing_rad - p[4]

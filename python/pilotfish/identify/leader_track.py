@@ -1,24 +1,24 @@
 """How probable the leader's track is: its third differences, and their covariance.
 
-In the odometry frame the leader is at z = p + R(phi) r: own place, own heading, and r = d (cos theta, sin theta) as seen.
+In the odometry frame the leader is at z = p + R(phi) r: own place, own heading, r = d (cos theta, sin theta) as seen.
 The third divided difference of four frames in a row, times 6, is its jerk,
 
     j_k = c0 z_k + c1 z_{k+1} + c2 z_{k+2} + c3 z_{k+3},    c_i = 6 / prod_{m != i} (t_i - t_m)
 
-(at h apart: -1, 3, -3, 1 over h^3). It is zero for constant velocity and constant acceleration. Taken along and across the
-line of sight of its second frame it is what the leader did (white jerk of density q^2), what the camera erred (r times
-the stated standard deviation s), and what the wheels strayed (white velocity w times the own speed v: a random walk of the
-place). All three are unknown in size, Gaussian and short in memory, so the covariance of all j_k has seven diagonals, and
-marginalising the leader is one banded Cholesky factor:
+(at h apart: -1, 3, -3, 1 over h^3). It is zero for constant velocity and constant acceleration. Taken along and across
+the line of sight of its second frame it is what the leader did (white jerk of density q^2), what the camera erred (r
+times the stated standard deviation s), and what the wheels strayed (white velocity w times the own speed v: a random
+walk of the place). All three are unknown in size, Gaussian and short in memory, so the covariance of all j_k has seven
+diagonals, and marginalising the leader is one banded Cholesky factor:
 
     -2 ln p = ln |C| + j^T C^-1 j
     camera    sum_i c_i c'_i (r s_i)^2, over the frames that two rows share
     straying  sum_i e_i e'_i (w v)^2 h_i, over the steps that they share, with e_i = c_i + ... + c_3
-    leader    q^2 / (120 h) (66, 26, 1, 0): the quintic B-spline's values, since a third difference of a triple integral of
-              white noise is that noise seen through a quadratic B-spline
+    leader    q^2 / (120 h) (66, 26, 1, 0): the quintic B-spline's values, since a third difference of a triple integral
+              of white noise is that noise seen through a quadratic B-spline
 
-Where the leader's part is far out, it has done something abrupt (stopped dead, turned a corner): q^2 is multiplied there
-by how far out it is, so that one event says little about the drive. The factor is lower triangular: it whitens each
+Where the leader's part is far out, it has done something abrupt (stopped dead, turned a corner): q^2 is multiplied
+there by how far out it is, so that one event says little about the drive. The factor is lower triangular: it whitens each
 row by those before. So the measurements' noise, which the commands answer in closed loop, does not bias the fit
 (prediction error method; Ljung, System Identification, section 13.4).
 """
@@ -41,8 +41,8 @@ _ABRUPT = 2.5  # standard deviations of what the leader does
 
 @dataclass(frozen=True)
 class Differences:
-    """Rows of third differences: the first of their four frames (K,), coefficients (K, 4), the times between them (K, 3),
-    and whether the next row, the one behind it and the third share frames with it ((K,), each)."""
+    """Rows of third differences: the first of their four frames (K,), coefficients (K, 4), the times between them
+    (K, 3), and whether the next row, the one behind it and the third share frames with it ((K,), each)."""
 
     first: np.ndarray
     coefficients: FloatArray
@@ -122,7 +122,7 @@ def cost_of(lower: FloatArray, values: FloatArray) -> float:
 def learn_noise(
     rows: Differences, sigma_m: FloatArray, speed: FloatArray, changes: FloatArray, start: Noise, rounds: int
 ) -> Noise:
-    """The most probable sizes of leader, camera and straying, for these changes (K,), and where the leader was abrupt."""
+    """The most probable sizes of leader, camera and straying, for these rows (K,), and where the leader was abrupt."""
     noise = start
     for _ in range(rounds):
         where = noise.abrupt

@@ -4,8 +4,8 @@ The driver's set value r ramps to the command c with the greatest acceleration a
 
     dr/dt = +-a until r = c,    dv/dt = (r - v) / tau,    on the ground g v
 
-A delay shifts all of it: with latency L the twist at t is that without latency at t - L. The ramp depends neither on the
-latency nor on lag and gains, so it is made once; r is then piecewise linear, and between two points of a grid where r
+A delay shifts all of it: with latency L the twist at t is that without latency at t - L. The ramp depends neither on
+the latency nor on lag and gains, so it is made once; r is then piecewise linear, and between two points of a grid where r
 goes in a straight line from r0 to r1 the lag has the closed form (with E = exp(-h / tau))
 
     v1 = E v0 + r1 - E r0 - (1 - E) tau (r1 - r0) / h,
@@ -71,8 +71,8 @@ def lagged(set_value: FloatArray, lag_s: float) -> FloatArray:
         return set_value
     keep = np.exp(-STEP_S / lag_s)
     share = (1.0 - keep) * lag_s / STEP_S
-    # v1 = keep v0 + (1 - share) r1 + (share - keep) r0
-    start = (1.0 - (1.0 - share)) * set_value[0]  # direct form II transposed, steady state
+    # v1 = keep v0 + (1 - share) r1 + (share - keep) r0; in the steady state v0 = r0 the filter's memory is share r0.
+    start = share * set_value[0]
     return lfilter([1.0 - share, share - keep], [1.0, -keep], set_value, zi=[start])[0]
 
 

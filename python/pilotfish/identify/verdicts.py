@@ -13,6 +13,7 @@ from pilotfish.logs.notes import Settings
 from pilotfish.logs.settings_keys import keys_of
 
 _STEADY_MPS, _STEADY_RADPS = 0.01, 0.02
+_CHANCE = 3.0  # standard deviations; z-scores of simulated runs have tails a little wider than a Gaussian's
 _HOW = "drive stop-and-go for 20 s"
 
 
@@ -38,8 +39,8 @@ def verdicts_of(
     wheel_radius_m: float | None = None,
     track_width_m: float | None = None,
 ) -> list[KeyVerdict]:
-    """``settings``: of a black box. The wheels' dimensions are those that the run was driven with, of the configuration of
-    pilotfish-base; without them their keys are given as factors."""
+    """``settings``: of a black box. The wheels' dimensions are those that the run was driven with, of the configuration
+    of pilotfish-base; without them their keys are given as factors."""
     said = settings_numbers(settings)
     rows = [
         _delay(fit, "control.drive.latency_s", fit.latency_s, (0.0, 0.25), said, 1.0 / 30.0, settings),
@@ -121,15 +122,15 @@ def _delay(
 
 
 def _dimension(fit: DriveFit, key: str, factor: Estimate, had: float | None, least: float) -> KeyVerdict:
-    """Base to ground: v = radius x wheel speed, so the radius that was assumed times the gain is true; w = (right - left) /
-    track, so the track that was assumed times (speed gain / turn gain) is true."""
+    """v = radius x mean wheel speed, so the radius that was assumed times the speed gain is true; w = difference of the
+    wheels' ground speeds / track, so the track that was assumed times (speed gain / turn gain) is true."""
     turning = key.endswith("track_width_m")
     if not factor.observable:
         return KeyVerdict("base", key, None, factor.sigma, had, False, _unobservable(fit, turning), False)
     if had is None:
         off = abs(factor.value - 1.0)
         verdict = f"multiply what the base has by {factor.value:.4f} +- {factor.sigma:.4f}"
-        if off < 2 * factor.sigma:
+        if off < _CHANCE * factor.sigma:
             verdict = f"agrees with what the base has (factor {factor.value:.4f} +- {factor.sigma:.4f})"
         return KeyVerdict("base", key, None, factor.sigma, None, False, verdict, False)
     value, sigma = had * factor.value, had * factor.sigma
@@ -147,6 +148,6 @@ def _compared(value: float, sigma: float, had: float | None, least: float) -> tu
     if had is None:
         return "set it; what the run had is not recorded", True
     off = value - had
-    if abs(off) < max(2 * sigma, least):
+    if abs(off) < max(_CHANCE * sigma, least):
         return "what the run had is right", False
     return f"set it: what the run had is {abs(off) / sigma:.0f} standard deviations off", True
