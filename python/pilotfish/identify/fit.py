@@ -114,8 +114,8 @@ def fit_drive(evidence: Evidence, *, max_mps2: float = 1.0, max_radps2: float = 
 
 
 def _starts(problem: _Problem) -> list[FloatArray]:
-    """The best places of the grid that are not neighbours, ranked again with noise of their own, since one that is wrong
-    makes the leader look wild. Robust: the logarithm bounds what an abrupt leader can say."""
+    """The best places of the grid that are not neighbours, ranked again with noise of their own, since one that is
+    wrong makes the leader look wild. Robust: the logarithm bounds what an abrupt leader can say."""
     first = np.array([0.05, 0.1, 1.0, 1.0, 0.0])
     lowers = [factor(_bands(problem, first, c, _first_noise(problem.rows))) for c in (0, 1)]
     costs = np.empty((len(_GRID_LATENCY_S), len(_GRID_LAG_S)))

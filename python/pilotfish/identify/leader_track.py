@@ -18,8 +18,8 @@ diagonals, and marginalising the leader is one banded Cholesky factor:
               of white noise is that noise seen through a quadratic B-spline
 
 Where the leader's part is far out, it has done something abrupt (stopped dead, turned a corner): q^2 is multiplied
-there by how far out it is, so that one event says little about the drive. The factor is lower triangular: it whitens each
-row by those before. So the measurements' noise, which the commands answer in closed loop, does not bias the fit
+there by how far out it is, so that one event says little about the drive. The factor is lower triangular: it whitens
+each row by those before. So the measurements' noise, which the commands answer in closed loop, does not bias the fit
 (prediction error method; Ljung, System Identification, section 13.4).
 """
 

@@ -5,8 +5,8 @@ The driver's set value r ramps to the command c with the greatest acceleration a
     dr/dt = +-a until r = c,    dv/dt = (r - v) / tau,    on the ground g v
 
 A delay shifts all of it: with latency L the twist at t is that without latency at t - L. The ramp depends neither on
-the latency nor on lag and gains, so it is made once; r is then piecewise linear, and between two points of a grid where r
-goes in a straight line from r0 to r1 the lag has the closed form (with E = exp(-h / tau))
+the latency nor on lag and gains, so it is made once; r is then piecewise linear, and between two points of a grid where
+r goes in a straight line from r0 to r1 the lag has the closed form (with E = exp(-h / tau))
 
     v1 = E v0 + r1 - E r0 - (1 - E) tau (r1 - r0) / h,
 
@@ -48,9 +48,11 @@ def set_values(evidence: Evidence, max_mps2: float, max_radps2: float) -> SetVal
 
 
 def _ramped(at_s: FloatArray, target: FloatArray, acceleration: float, grid_s: FloatArray) -> FloatArray:
-    """The breakpoints of the ramp, then on the grid. What was commanded before the recording is taken for its first
-    command."""
-    times, values, value = [grid_s[0]], [target[0]], float(target[0])
+    """The breakpoints of the ramp, then on the grid. A coordinator that starts is at rest, and its first command is no
+    more than one period's acceleration; if the first one is more, the robot was driving, and has reached it."""
+    period_s = float(np.median(np.diff(at_s))) if len(at_s) > 1 else 0.0
+    value = 0.0 if abs(target[0]) <= 1.05 * acceleration * period_s else float(target[0])
+    times, values = [grid_s[0]], [value]
     for start_s, end_s, wanted in zip(at_s, np.append(at_s[1:], np.inf), target, strict=True):
         times.append(start_s)
         values.append(value)
