@@ -16,7 +16,7 @@ from pilotfish.cli.lazy_commands import LazyCommands, Place
 _FUNCTIONS = {
     "Set up a robot": ("tags", "learn_body", "init", "doctor", "data"),
     "See and drive": ("view", "top"),
-    "Recordings": ("plot", "report", "export", "replay"),
+    "Recordings": ("plot", "report", "export", "replay", "identify"),
     "Simulate": ("demo", "experiment", "render", "tune"),
 }
 _GROUPS = {
