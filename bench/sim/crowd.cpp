@@ -1,13 +1,11 @@
 #include "crowd.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <functional>
 #include <memory>
 #include <numeric>
-#include <thread>
 
 #include "loop.hpp"
+#include "on_threads.hpp"
 
 namespace pilotfish::bench {
 namespace {
@@ -34,17 +32,6 @@ std::uint64_t hash_of(const ImageView& image) {
   return hash;
 }
 
-void on_threads(int threads, std::size_t count, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  const auto take = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
-  };
-  std::vector<std::thread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(take);
-  take();
-  for (std::thread& each : others) each.join();
-}
-
 std::vector<Robot> robots_of(const sim::Scenario& scenario) {
   std::vector<Robot> robots;
   for (const sim::RobotSpec& spec : scenario.robots) {
@@ -62,14 +49,14 @@ std::vector<Robot> robots_of(const sim::Scenario& scenario) {
 
 /// A picture, and what its coordinator makes of it. Reads the world and changes this robot alone.
 void look(const sim::World& world, Robot& robot) {
-  const Clock::time_point begin = Clock::now();
+  const std::int64_t begin = thread_ns();
   const std::optional<Frame> picture = world.capture(robot.name);
-  const Clock::time_point captured = Clock::now();
-  robot.capture_ns += elapsed_ns(begin, captured);
+  const std::int64_t captured = thread_ns();
+  robot.capture_ns += captured - begin;
   robot.answered = picture.has_value();
   if (!picture) return;
   const StepResult result = robot.coordinator->step(*picture, {picture->utime});
-  robot.step_ns += elapsed_ns(captured, Clock::now());
+  robot.step_ns += thread_ns() - captured;
   robot.command = result.command;
   robot.pictures_seen += result.observation ? 1 : 0;
   robot.picture = hash_of(picture->image);
@@ -87,9 +74,10 @@ nlohmann::json play_crowd(const sim::Scenario& scenario, int frames, int threads
   std::uint64_t pictures = 0;
   for (int frame = 0; frame < frames; ++frame) {
     const Clock::time_point frame_begin = Clock::now();
+    const std::int64_t before_move = thread_ns();
     world.advance_to(frame / scenario.frame_rate_hz);
-    move_ns += elapsed_ns(frame_begin, Clock::now());
-    on_threads(threads, robots.size(), [&](std::size_t i) { look(world, robots[i]); });
+    move_ns += thread_ns() - before_move;
+    apps::on_threads(static_cast<std::size_t>(threads), robots.size(), [&](std::size_t i) { look(world, robots[i]); });
     for (Robot& robot : robots)
       if (robot.answered) world.command(robot.name, robot.command, world.time_s() + world.latency_s(robot.name));
     frame_ns.push_back(elapsed_ns(frame_begin, Clock::now()));

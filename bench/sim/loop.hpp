@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,7 +13,14 @@ namespace pilotfish::bench {
 
 using Clock = std::chrono::steady_clock;
 
-/// Where the time of one closed-loop frame went [ns], and how well the robot follows at its exposure.
+/// Processor time of the thread that asks [ns]: what a loop costs, also on a computer that does other things meanwhile.
+inline std::int64_t thread_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+}
+
+/// Where the processor time of one closed-loop frame went [ns], and how well the robot follows at its exposure.
 struct FrameFigures {
   std::int64_t move_ns = 0;          ///< the world's robots drive on to this exposure
   std::int64_t render_ns = 0;        ///< the camera's picture

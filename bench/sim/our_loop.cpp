@@ -7,21 +7,21 @@ OurLoop::OurLoop(const sim::Scenario& scenario)
 
 FrameFigures OurLoop::play(int frame) {
   FrameFigures figures;
-  const Clock::time_point begin = Clock::now();
+  const std::int64_t begin = thread_ns();
   world_.advance_to(frame / world_.scenario().frame_rate_hz);
-  const Clock::time_point moved = Clock::now();
+  const std::int64_t moved = thread_ns();
   const std::optional<Frame> picture = world_.capture(follower_.name);
-  const Clock::time_point rendered = Clock::now();
+  const std::int64_t rendered = thread_ns();
   std::optional<Observation> seen;
   if (picture) {
     const StepResult result = coordinator_.step(*picture, {picture->utime});
     world_.command(follower_.name, result.command, world_.time_s() + world_.latency_s(follower_.name));
     seen = result.observation;
   }
-  const Clock::time_point commanded = Clock::now();
-  figures.move_ns = elapsed_ns(begin, moved);
-  figures.render_ns = elapsed_ns(moved, rendered);
-  figures.see_decide_ns = elapsed_ns(rendered, commanded);
+  const std::int64_t commanded = thread_ns();
+  figures.move_ns = moved - begin;
+  figures.render_ns = rendered - moved;
+  figures.see_decide_ns = commanded - rendered;
   judge(world_, follower_, seen, figures);
   return figures;
 }

@@ -44,12 +44,12 @@ VispLoop::VispLoop(const std::string& name, const sim::Scenario& scenario, doubl
 
 FrameFigures VispLoop::play(int frame) {
   FrameFigures figures;
-  const Clock::time_point begin = Clock::now();
+  const std::int64_t begin = thread_ns();
   world_.advance_to(frame / world_.scenario().frame_rate_hz);
-  const Clock::time_point moved = Clock::now();
+  const std::int64_t moved = thread_ns();
   const vpImage<unsigned char>& picture =
       scene_.picture(world_.true_cMo(follower_.name), static_cast<std::uint64_t>(frame));
-  const Clock::time_point rendered = Clock::now();
+  const std::int64_t rendered = thread_ns();
   vision::ObservationResult seen;
   if (const std::optional<Eigen::Isometry3d> cMo = tags_.see(picture)) {
     const RelativePose pose = relative_pose(base_from_camera(follower_.config.mounting) * *cMo);
@@ -65,10 +65,10 @@ FrameFigures VispLoop::play(int frame) {
   }
   const StepResult result = coordinator_.step_observation(world_.utime(), seen, {world_.utime()});
   world_.command(follower_.name, result.command, world_.time_s() + world_.latency_s(follower_.name));
-  const Clock::time_point commanded = Clock::now();
-  figures.move_ns = elapsed_ns(begin, moved);
-  figures.render_ns = elapsed_ns(moved, rendered);
-  figures.see_decide_ns = elapsed_ns(rendered, commanded);
+  const std::int64_t commanded = thread_ns();
+  figures.move_ns = moved - begin;
+  figures.render_ns = rendered - moved;
+  figures.see_decide_ns = commanded - rendered;
   judge(world_, follower_, seen.observation, figures);
   return figures;
 }

@@ -93,7 +93,8 @@ void sample(const std::uint32_t* panorama, const std::uint32_t* columns, const s
 
 }  // namespace
 
-Background::Background(const RayGrid& grid, const CameraMounting& mounting, double contrast, std::uint64_t seed) {
+Background::Background(const RayGrid& grid, const CameraMounting& mounting, double contrast, std::uint64_t seed)
+    : plain_(contrast == 0.0) {
   const Eigen::Matrix3d bRc = base_from_camera(mounting).linear();
   const std::size_t pixels = static_cast<std::size_t>(grid.columns - 1) * (grid.rows - 1);
   columns_.reserve(pixels);
@@ -134,6 +135,10 @@ Background::Background(const RayGrid& grid, const CameraMounting& mounting, doub
 }
 
 void Background::paint(double robot_heading_rad, Gray16* image) const {
+  if (plain_) {
+    std::fill_n(image, columns_.size(), static_cast<Gray16>(128 * 256));
+    return;
+  }
   const auto turned =
       static_cast<std::uint32_t>(std::lround(-wrap_angle(robot_heading_rad) / (2.0 * kPi) * kColumns * 256.0));
   sample(panorama_.data(), columns_.data(), rows_.data(), turned, columns_.size(), image);

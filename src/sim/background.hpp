@@ -26,6 +26,7 @@ class Background {
   std::vector<std::uint32_t> panorama_;
   /// Of every pixel's centre: the column for heading zero in 1/256, and the index of the row's first word in 1/256.
   std::vector<std::uint32_t> columns_, rows_;
+  bool plain_ = false;  ///< without contrast everything is one gray
 };
 
 }  // namespace pilotfish::sim

@@ -54,7 +54,7 @@ void add_noise(const std::uint16_t* grays, const std::int32_t* table, const std:
 
 }  // namespace
 
-NoiseTable::NoiseTable(double sigma, double shot, double gamma) : even_(shot == 0.0 && gamma == 1.0) {
+NoiseTable::NoiseTable(double sigma, double shot, double gamma) : even_(shot == 0.0 && gamma == 1.0), noiseless_(sigma == 0.0 && shot == 0.0) {
   constexpr int size = 1 << kBits;
   const double largest = std::hypot(sigma, shot);
   std::array<double, size> quantiles;
@@ -93,6 +93,11 @@ void NoiseTable::expose(const std::vector<std::uint16_t>& grays, double gain, st
 
 void NoiseTable::expose_evenly(const std::vector<std::uint16_t>& grays, std::int32_t gain_256, std::uint64_t seed,
                                std::vector<std::uint8_t>& pixels) const {
+  if (noiseless_) {
+    for (std::size_t i = 0; i < grays.size(); ++i)
+      pixels[i] = static_cast<std::uint8_t>(std::min((((grays[i] * gain_256) >> 8) + 128) >> 8, 255));
+    return;
+  }
   constexpr std::size_t per_number = 64 / kBits;
   constexpr std::uint64_t mask = (1U << kBits) - 1U;
   std::array<std::uint64_t, 400> numbers;

@@ -26,6 +26,7 @@ class NoiseTable {
 
   std::array<std::int32_t, 1 << kBits> table_;  ///< in 1/256 gray levels
   bool even_;                                   ///< the same noise at every gray, and a linear response
+  bool noiseless_;                              ///< no noise at all
   std::array<std::int32_t, 256> scale_;         ///< of the noise at that gray over the table's, in 1/256
   std::vector<std::int32_t> response_;          ///< by the gray in 1/16
 };
