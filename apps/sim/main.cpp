@@ -69,7 +69,7 @@ int run(const SimOptions& options) {
     if (key) bus.set_key(*key);
     log_start(world.scenario(), bus, options.real_time);
     Runner runner(world, bus, options.wait_s, csv.is_open() ? &csv : nullptr,
-                  {options.publish_intent, options.driven_by_base});
+                  {options.publish_intent, static_cast<std::size_t>(options.threads), options.driven_by_base});
     summarise(options.real_time ? runner.play_in_real_time() : runner.play_in_lockstep(), world);
   } catch (const bus::BusError& error) {
     return fail(kUnavailable, error.what());

@@ -76,6 +76,10 @@ ParsedSimOptions parse_sim_options(int argc, char** argv) {
   app.add_option("--duration-s", options.duration_s, "instead of the scenario's")->check(within(0.0, kLongest_s));
   app.add_option("--seed", options.seed, "of noise, clutter and dropped frames, instead of the scenario's")
       ->check(within(0, std::numeric_limits<int>::max()));
+  app.add_option("--threads", options.threads,
+                 "that render pictures, one of them each; the pictures are the same, whatever the number")
+      ->check(within(1, 256))
+      ->capture_default_str();
   app.add_option("--wait-s", options.wait_s, "how long to wait for the first answer of every coordinator")
       ->check(within(0.01, kLongest_s))
       ->capture_default_str();

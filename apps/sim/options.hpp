@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
+#include <thread>
 
 namespace pilotfish::apps {
 
@@ -16,6 +18,7 @@ struct SimOptions {
   std::optional<double> duration_s;
   std::optional<int> seed;
   double wait_s = 10.0;
+  int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));  ///< one a processor
 };
 
 /// The options, or the exit code with which to end at once (after --help, or a usage error already printed).

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "on_threads.hpp"
 #include "pace.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/monotonic.hpp"
@@ -35,7 +36,7 @@ NoAnswer no_answer(const std::vector<std::string>& robots, double waited_s, cons
 }  // namespace
 
 Runner::Runner(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const RunnerConfig& config)
-    : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv), driven_by_base_(config.driven_by_base) {
+    : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv), driven_by_base_(config.driven_by_base), threads_(config.threads) {
   for (const sim::RobotSpec& robot : world_.scenario().robots)
     if (!robot.follows.empty()) followers_.push_back(robot.name);
   for (const std::string& robot : followers_) {
@@ -83,13 +84,17 @@ void Runner::publish_image(const std::string& robot, const Frame& frame) {
 
 double Runner::latency_s(const std::string& robot) const { return world_.latency_s(robot); }
 
-std::optional<Frame> Runner::expose(const std::string& robot) {
-  std::optional<Frame> picture = world_.capture(robot);
-  (picture ? played_.delivered : played_.dropped) += 1;
-  sim::Answer& answer = answers_[robot];
-  answer.delivered = picture.has_value();
-  if (!picture) answer.command = world_.command_in_effect(robot, world_.time_s() + latency_s(robot));
-  return picture;
+std::vector<std::optional<Frame>> Runner::expose() {
+  std::vector<std::optional<Frame>> pictures(followers_.size());
+  on_threads(threads_, pictures.size(), [&](std::size_t i) { pictures[i] = world_.capture(followers_[i]); });
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::string& robot = followers_[i];
+    (pictures[i] ? played_.delivered : played_.dropped) += 1;
+    sim::Answer& answer = answers_[robot];
+    answer.delivered = pictures[i].has_value();
+    if (!pictures[i]) answer.command = world_.command_in_effect(robot, world_.time_s() + latency_s(robot));
+  }
+  return pictures;
 }
 
 void Runner::record() {
@@ -135,12 +140,12 @@ RunSummary Runner::play_in_lockstep() {
     publish_motions(true);
     publish_ranges();
     std::map<std::string, Frame> pictures;
-    for (const std::string& robot : followers_) {
-      const std::optional<Frame> picture = expose(robot);
-      if (!picture) continue;
-      pictures[robot] = *picture;
-      publish_image(robot, *picture);
-      awaited.sent(robot, picture->utime, monotonic_s());
+    const std::vector<std::optional<Frame>> exposed = expose();
+    for (std::size_t i = 0; i < exposed.size(); ++i) {
+      if (!exposed[i]) continue;
+      pictures[followers_[i]] = *exposed[i];
+      publish_image(followers_[i], *exposed[i]);
+      awaited.sent(followers_[i], exposed[i]->utime, monotonic_s());
     }
     while (!awaited.complete() && !stop_requested()) {
       bus_.handle(5);
@@ -179,10 +184,10 @@ void Runner::expose_all() {
   publish_poses();
   publish_motions(false);
   publish_ranges();
-  for (const std::string& robot : followers_) {
-    if (const std::optional<Frame> picture = expose(robot))
-      under_way_.push_back({world_.time_s() + latency_s(robot), robot, *picture});
-  }
+  const std::vector<std::optional<Frame>> exposed = expose();
+  for (std::size_t i = 0; i < exposed.size(); ++i)
+    if (exposed[i])
+      under_way_.push_back({world_.time_s() + latency_s(followers_[i]), followers_[i], *exposed[i]});
   record();
   report_progress();
   report_failures();

@@ -31,6 +31,7 @@ struct RunSummary {
 
 struct RunnerConfig {
   bool publish_intent = false;  ///< leaders publish their intent
+  std::size_t threads = 1;      ///< that render pictures, one each; the pictures are the same with any number
   bool driven_by_base = false;  ///< wheels execute NAME_BASE instead of NAME_COMMAND; in real time only
 };
 
@@ -53,7 +54,8 @@ class Runner {
   void publish_motions(bool until_delivery);
   void publish_ranges();  ///< before the pictures of the same instant
   void publish_image(const std::string& robot, const Frame& frame);
-  std::optional<Frame> expose(const std::string& robot);
+  /// The picture of each of followers_; nothing where the camera drops it.
+  std::vector<std::optional<Frame>> expose();
   double latency_s(const std::string& robot) const;
   void wait_until_all_are_heard();
   void obey_bases(const double& start_s);
@@ -71,6 +73,7 @@ class Runner {
   double wait_s_;
   std::ostream* csv_;
   bool driven_by_base_;
+  std::size_t threads_;
   std::map<std::string, double> commanded_s_;  ///< world's time of a base's last command to a robot's wheels
   std::vector<std::string> followers_;
   std::map<std::string, double>

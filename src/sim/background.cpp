@@ -1,11 +1,13 @@
 #include "background.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "pilotfish/core/angles.hpp"
 #include "random.hpp"
+#include "wider_registers.hpp"
 
 namespace pilotfish::sim {
 namespace {
@@ -15,7 +17,6 @@ namespace {
 constexpr int kColumns = 4096;
 constexpr int kRows = 1024;
 constexpr double kTop = 0.785;
-constexpr int kStride = kColumns + 1;  // the first column once more, so that the last one has a neighbour
 
 int row_of(double tangent) { return static_cast<int>(std::lround((kTop - tangent) / (2.0 * kTop) * kRows)); }
 
@@ -76,18 +77,29 @@ cv::Mat painted_wall(std::uint64_t seed) {
   return wall;
 }
 
+/// Bilinear, in integers. Of each word `mix` has the upper two pixels, mixed, in its lower half, and the lower two in its
+/// upper half: 256 * 255 fits into 16 bits.
+PILOTFISH_FOR_WIDER_REGISTERS
+void sample(const std::uint32_t* panorama, const std::uint32_t* columns, const std::uint32_t* rows,
+            std::uint32_t turned, std::size_t count, Gray16* image) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t column = columns[i] + turned, row = rows[i];
+    const std::uint32_t word = panorama[(row >> 8) + ((column >> 8) & (kColumns - 1))];
+    const std::uint32_t right = column & 255, left = 256 - right, below = row & 255, above = 256 - below;
+    const std::uint32_t mix = (word & 0x00FF00FF) * left + ((word >> 8) & 0x00FF00FF) * right;
+    image[i] = static_cast<Gray16>((above * (mix & 0xFFFF) + below * (mix >> 16)) >> 8);
+  }
+}
+
 }  // namespace
 
-Background::Background(const RayGrid& grid, const CameraMounting& mounting, double contrast, std::uint64_t seed) {
-  const cv::Mat wall = painted_wall(seed);
-  panorama_.resize(static_cast<std::size_t>(kRows) * kStride);
-  for (int row = 0; row < kRows; ++row)
-    for (int column = 0; column < kStride; ++column)
-      panorama_[static_cast<std::size_t>(row) * kStride + column] =
-          cv::saturate_cast<std::uint8_t>(128.0 + contrast * (wall.at<std::uint8_t>(row, column % kColumns) - 128.0));
-
+Background::Background(const RayGrid& grid, const CameraMounting& mounting, double contrast, std::uint64_t seed)
+    : plain_(contrast == 0.0) {
   const Eigen::Matrix3d bRc = base_from_camera(mounting).linear();
-  places_.reserve(static_cast<std::size_t>(grid.columns - 1) * (grid.rows - 1));
+  const std::size_t pixels = static_cast<std::size_t>(grid.columns - 1) * (grid.rows - 1);
+  columns_.reserve(pixels);
+  rows_.reserve(pixels);
+  int first_row = kRows, last_row = 0;
   for (int v = 0; v + 1 < grid.rows; ++v)
     for (int u = 0; u + 1 < grid.columns; ++u) {
       // The centre of a pixel is near enough the middle of two opposite corners.
@@ -97,22 +109,39 @@ Background::Background(const RayGrid& grid, const CameraMounting& mounting, doub
       const double azimuth_rad = std::atan2(direction.y(), direction.x());
       const double tangent = direction.z() / std::hypot(direction.x(), direction.y());
       const double row = std::clamp((kTop - tangent) / (2.0 * kTop) * kRows, 0.0, kRows - 1.01);
-      places_.push_back({static_cast<std::int32_t>(std::lround(-azimuth_rad / (2.0 * kPi) * kColumns * 256.0)),
-                         static_cast<std::int32_t>(row) * kStride,
-                         static_cast<std::uint16_t>((row - std::floor(row)) * 256.0)});
+      const int whole_row = static_cast<int>(row);
+      first_row = std::min(first_row, whole_row);
+      last_row = std::max(last_row, whole_row);
+      columns_.push_back(
+          static_cast<std::uint32_t>(std::lround(-azimuth_rad / (2.0 * kPi) * kColumns * 256.0)));  // modulo 2^32
+      rows_.push_back(static_cast<std::uint32_t>(whole_row) * kColumns * 256U +
+                      static_cast<std::uint32_t>((row - std::floor(row)) * 256.0));
     }
+  for (std::uint32_t& row : rows_) row -= static_cast<std::uint32_t>(first_row) * kColumns * 256U;
+
+  std::array<std::uint32_t, 256> with_contrast;
+  for (std::size_t gray = 0; gray < with_contrast.size(); ++gray)
+    with_contrast[gray] = cv::saturate_cast<std::uint8_t>(128.0 + contrast * (static_cast<double>(gray) - 128.0));
+  const cv::Mat wall = painted_wall(seed);
+  panorama_.reserve(static_cast<std::size_t>(last_row - first_row + 1) * kColumns);
+  for (int row = first_row; row <= last_row; ++row) {
+    const std::uint8_t *here = wall.ptr(row), *below = wall.ptr(row + 1);
+    for (int column = 0; column < kColumns; ++column) {
+      const int next = (column + 1) % kColumns;
+      panorama_.push_back(with_contrast[here[column]] | with_contrast[here[next]] << 8 |
+                          with_contrast[below[column]] << 16 | with_contrast[below[next]] << 24);
+    }
+  }
 }
 
 void Background::paint(double robot_heading_rad, Gray16* image) const {
-  const auto turned =
-      static_cast<std::int32_t>(std::lround(-wrap_angle(robot_heading_rad) / (2.0 * kPi) * kColumns * 256.0));
-  for (const Place& place : places_) {
-    const auto column = static_cast<std::uint32_t>(place.column + turned);
-    const std::uint8_t* at = panorama_.data() + place.row_start + ((column >> 8) & (kColumns - 1));
-    const std::uint32_t right = column & 255, left = 256 - right, below = place.row_part, above = 256 - below;
-    const std::uint32_t upper = left * at[0] + right * at[1], lower = left * at[kStride] + right * at[kStride + 1];
-    *image++ = static_cast<Gray16>((above * upper + below * lower) >> 8);
+  if (plain_) {
+    std::fill_n(image, columns_.size(), static_cast<Gray16>(128 * 256));
+    return;
   }
+  const auto turned =
+      static_cast<std::uint32_t>(std::lround(-wrap_angle(robot_heading_rad) / (2.0 * kPi) * kColumns * 256.0));
+  sample(panorama_.data(), columns_.data(), rows_.data(), turned, columns_.size(), image);
 }
 
 }  // namespace pilotfish::sim

@@ -21,13 +21,12 @@ class Background {
   void paint(double robot_heading_rad, Gray16* image) const;
 
  private:
-  struct Place {
-    std::int32_t column;     ///< of the panorama for heading zero, in 1/256
-    std::int32_t row_start;  ///< index of the first pixel of the panorama's row
-    std::uint16_t row_part;  ///< in 1/256, how much of the next row
-  };
-  std::vector<std::uint8_t> panorama_;
-  std::vector<Place> places_;  ///< of every pixel's centre
+  /// The rows that the camera sees. Every word holds the four pixels between which a point lies: itself, the one to its
+  /// right, the one below, the one to the right of that, from the lowest byte up.
+  std::vector<std::uint32_t> panorama_;
+  /// Of every pixel's centre: the column for heading zero in 1/256, and the index of the row's first word in 1/256.
+  std::vector<std::uint32_t> columns_, rows_;
+  bool plain_ = false;  ///< without contrast everything is one gray
 };
 
 }  // namespace pilotfish::sim

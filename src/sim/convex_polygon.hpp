@@ -33,10 +33,12 @@ struct ConvexPolygon {
   }
 };
 
-/// Cuts along the line: `positive` and `negative` become the two parts, either of them perhaps empty.
-inline void cut(const ConvexPolygon& polygon, const Line2& line, ConvexPolygon& positive, ConvexPolygon& negative) {
-  positive.size = negative.size = 0;
-  if (polygon.size == 0) return;
+/// On which side of a line a polygon lies.
+enum class Side { positive, negative, both };
+
+/// Cuts along the line. `positive` and `negative` become the two parts if it lies on both sides, else they are not
+/// touched: most polygons are cut by few lines, and copies cost more than the test. The polygon must not be empty.
+inline Side cut(const ConvexPolygon& polygon, const Line2& line, ConvexPolygon& positive, ConvexPolygon& negative) {
   const auto count = static_cast<std::size_t>(polygon.size);
   std::array<double, ConvexPolygon::kMaxCorners> side;
   double lowest = INFINITY, highest = -INFINITY;
@@ -45,14 +47,9 @@ inline void cut(const ConvexPolygon& polygon, const Line2& line, ConvexPolygon& 
     lowest = std::min(lowest, side[i]);
     highest = std::max(highest, side[i]);
   }
-  if (lowest >= 0.0) {
-    positive = polygon;
-    return;
-  }
-  if (highest <= 0.0) {
-    negative = polygon;
-    return;
-  }
+  if (lowest >= 0.0) return Side::positive;
+  if (highest <= 0.0) return Side::negative;
+  positive.size = negative.size = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t next = i + 1 == count ? 0 : i + 1;
     (side[i] >= 0.0 ? positive : negative).add(polygon.x[i], polygon.y[i]);
@@ -63,6 +60,7 @@ inline void cut(const ConvexPolygon& polygon, const Line2& line, ConvexPolygon& 
     positive.add(px, py);
     negative.add(px, py);
   }
+  return Side::both;
 }
 
 }  // namespace pilotfish::sim

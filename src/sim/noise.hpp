@@ -21,13 +21,14 @@ class NoiseTable {
 
  private:
   static constexpr int kBits = 12;
-  void expose_evenly(const std::vector<std::uint16_t>& grays, std::int64_t gain_256, std::uint64_t seed,
+  void expose_evenly(const std::vector<std::uint16_t>& grays, std::int32_t gain_256, std::uint64_t seed,
                      std::vector<std::uint8_t>& pixels) const;
 
   std::array<std::int32_t, 1 << kBits> table_;  ///< in 1/256 gray levels
   bool even_;                                   ///< the same noise at every gray, and a linear response
+  bool noiseless_;                              ///< no noise at all
   std::array<std::int32_t, 256> scale_;         ///< of the noise at that gray over the table's, in 1/256
-  std::vector<std::uint8_t> response_;          ///< by the gray in 1/16
+  std::vector<std::int32_t> response_;          ///< by the gray in 1/16
 };
 
 }  // namespace pilotfish::sim

@@ -11,12 +11,14 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ULL);
+  static constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15ULL;
+  /// The number that belongs to a state: the i-th of a seed, i = 1, 2, ..., is mixed(seed + i * kStep).
+  static constexpr std::uint64_t mixed(std::uint64_t z) {
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
     return z ^ (z >> 31);
   }
+  std::uint64_t next() { return mixed(state_ += kStep); }
   /// In [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   /// With mean 0 and variance 1, the sum of twelve: nearly Gaussian, never beyond 6, the same on every platform.

@@ -94,26 +94,127 @@ void trace(const CameraModel& camera, const Outline& outline, Facet& facet, std:
   facet.bottom = std::clamp(facet.bottom, 0, camera.height);
 }
 
+/// A surface in the camera's frame.
+struct Rectangle {
+  Eigen::Vector3d centre, a, b;
+  double facing;  ///< below 0: seen from behind; a x b points into the wall
+
+  Rectangle(const VisibleBody& body, const Surface& surface)
+      : centre(body.cMo * surface.centre_m),
+        a(body.cMo.linear() * surface.half_a_m),
+        b(body.cMo.linear() * surface.half_b_m),
+        facing(a.cross(b).dot(centre)) {}
+  bool can_be_seen(const Surface& surface) const {
+    return facing != 0.0 && !(facing < 0.0 && surface.back_gray < 0.0F);
+  }
+};
+
+/// Without the pixels that it may touch.
+Facet facet_of(const Rectangle& rectangle, const Surface& surface) {
+  Facet facet;
+  Eigen::Matrix3d to_space;
+  to_space << rectangle.a, rectangle.b, rectangle.centre;
+  facet.from_ray = to_space.inverse();
+  facet.sides = {facet.line(0, -1.0), -facet.line(0, 1.0), facet.line(1, -1.0), -facet.line(1, 1.0)};
+  if (surface.is_sheet)
+    facet.priority = 1.0 + kSheetClearance_m / std::max(rectangle.centre.z(), kSheetClearance_m);
+  facet.cells = rectangle.facing > 0.0 ? surface.cells : 1;
+  facet.grays = rectangle.facing > 0.0 ? surface.grays.data() : &surface.back_gray;
+  return facet;
+}
+
+/// The corners of a box around a body, in the camera's frame.
+using Corners = Eigen::Matrix<double, 3, 8>;
+Corners corners_around(const VisibleBody& body) {
+  Eigen::AlignedBox3d box;
+  for (const Surface& surface : *body.surfaces) {
+    const Eigen::Vector3d reach = surface.half_a_m.cwiseAbs() + surface.half_b_m.cwiseAbs();
+    box.extend(surface.centre_m - reach);
+    box.extend(surface.centre_m + reach);
+  }
+  Corners corners;
+  for (int i = 0; i < 8; ++i)
+    corners.col(i) = body.cMo * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+  return corners;
+}
+
+/// Whether visible_outline() of each surface within these corners is empty: all lie beyond one of its planes.
+bool out_of_view(const Corners& corners, const RayGrid& grid) {
+  constexpr double kRounding = 1e-9;
+  const auto x = corners.row(0).array(), y = corners.row(1).array(), z = corners.row(2).array();
+  return (z < kNearest_m - kRounding).all() || (x < grid.min_x * z - kRounding).all() ||
+         (x > grid.max_x * z + kRounding).all() || (y < grid.min_y * z - kRounding).all() ||
+         (y > grid.max_y * z + kRounding).all();
+}
+
+/// Whether the facet covers all that is within these corners, and more than a pixel around, and is nearer: what is
+/// behind it contributes nothing to any pixel. All of this is linear in the ray (x, y, 1), so that it holds in between
+/// if it holds at the corners.
+bool covers(const Facet& facet, const Corners& corners, double margin) {
+  const double nearest_m = corners.row(2).minCoeff();
+  if (nearest_m < kNearest_m) return false;
+  // 1 / depth times the priority of a sheet: the most that Facet::priority makes of it.
+  const double nearness = 1.001 / nearest_m * (1.0 + kSheetClearance_m / nearest_m);
+  const auto lowest = [margin](const Line2& line, double x, double y) {
+    return line.at(x, y) - margin * (std::abs(line.a) + std::abs(line.b));
+  };
+  for (int i = 0; i < 8; ++i) {
+    const double x = corners(0, i) / corners(2, i), y = corners(1, i) / corners(2, i);
+    for (const Line2& side : facet.sides)
+      if (lowest(side, x, y) <= 0.0) return false;
+    if (lowest(facet.row(2), x, y) * facet.priority <= nearness) return false;
+  }
+  return true;
+}
+
+/// Those of the bodies that may contribute to the picture. A robot in a column sees all those before it, most of them
+/// behind the next one: without this a picture's cost would grow with the number of robots in the world.
+std::vector<bool> in_sight(const std::vector<VisibleBody>& bodies, const RayGrid& grid) {
+  constexpr std::size_t kMaxCovers = 32;  // a bound for the cost; the nearest hide the most
+  struct Near {
+    double nearest_m;
+    std::size_t body;
+    Corners corners;
+  };
+  std::vector<Near> near_first;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].surfaces == nullptr || bodies[i].surfaces->empty()) continue;
+    const Corners corners = corners_around(bodies[i]);
+    if (!out_of_view(corners, grid)) near_first.push_back({corners.row(2).minCoeff(), i, corners});
+  }
+  std::sort(near_first.begin(), near_first.end(),
+            [](const Near& one, const Near& other) { return one.nearest_m < other.nearest_m; });
+  std::vector<bool> visible(bodies.size(), false);
+  std::vector<Facet> covering;
+  const double margin = 2.0 * grid.largest_step;
+  for (const Near& near : near_first) {
+    if (std::any_of(covering.begin(), covering.end(),
+                    [&](const Facet& facet) { return covers(facet, near.corners, margin); }))
+      continue;
+    visible[near.body] = true;
+    for (const Surface& surface : *bodies[near.body].surfaces) {
+      if (covering.size() == kMaxCovers || near_first.size() == 1) break;
+      const Rectangle rectangle(bodies[near.body], surface);
+      const double reach_m = std::abs(rectangle.a.z()) + std::abs(rectangle.b.z());
+      if (rectangle.can_be_seen(surface) && rectangle.centre.z() - reach_m > kNearest_m)
+        covering.push_back(facet_of(rectangle, surface));
+    }
+  }
+  return visible;
+}
+
 std::vector<Facet> facets_of(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies,
                              std::vector<std::uint8_t>& crossed) {
   std::vector<Facet> facets;
-  for (const VisibleBody& body : bodies) {
-    if (body.surfaces == nullptr) continue;
-    for (const Surface& surface : *body.surfaces) {
-      const Eigen::Vector3d centre = body.cMo * surface.centre_m;
-      const Eigen::Vector3d a = body.cMo.linear() * surface.half_a_m, b = body.cMo.linear() * surface.half_b_m;
-      const double facing = a.cross(b).dot(centre);  // a x b points into the wall
-      if (facing == 0.0 || (facing < 0.0 && surface.back_gray < 0.0F)) continue;
-      const Outline outline = visible_outline(centre, a, b, grid);
+  const std::vector<bool> visible = in_sight(bodies, grid);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!visible[i]) continue;
+    for (const Surface& surface : *bodies[i].surfaces) {
+      const Rectangle rectangle(bodies[i], surface);
+      if (!rectangle.can_be_seen(surface)) continue;
+      const Outline outline = visible_outline(rectangle.centre, rectangle.a, rectangle.b, grid);
       if (outline.size() < 3) continue;
-      Facet facet;
-      Eigen::Matrix3d to_space;
-      to_space << a, b, centre;
-      facet.from_ray = to_space.inverse();
-      facet.sides = {facet.line(0, -1.0), -facet.line(0, 1.0), facet.line(1, -1.0), -facet.line(1, 1.0)};
-      if (surface.is_sheet) facet.priority = 1.0 + kSheetClearance_m / std::max(centre.z(), kSheetClearance_m);
-      facet.cells = facing > 0.0 ? surface.cells : 1;
-      facet.grays = facing > 0.0 ? surface.grays.data() : &surface.back_gray;
+      Facet facet = facet_of(rectangle, surface);
       trace(camera, outline, facet, crossed);
       if (facet.left < facet.right && facet.top < facet.bottom) facets.push_back(facet);
     }
@@ -179,39 +280,43 @@ void find_cells(const Facet& facet, std::int16_t index, const RayGrid& grid, Hit
 }
 
 /// Integral of the facet's gray over a polygon inside it: the polygon, cut into columns and these into rows of cells.
-double integral(const Facet& facet, ConvexPolygon rest) {
-  if (facet.cells == 1) return rest.area() * facet.grays[0];
-  const auto range = [&](const ConvexPolygon& polygon, int axis) {
+double integral(const Facet& facet, const ConvexPolygon& polygon) {
+  if (facet.cells == 1) return polygon.area() * facet.grays[0];
+  const auto range = [&](const ConvexPolygon& of, int axis) {
     const Line2 s = facet.row(axis), w = facet.row(2);
     std::pair<int, int> first_last{facet.cells, -1};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(polygon.size); ++i) {
-      const double x = polygon.x[i], y = polygon.y[i];
+    for (std::size_t i = 0; i < static_cast<std::size_t>(of.size); ++i) {
+      const double x = of.x[i], y = of.y[i];
       const int cell = cell_along(s.at(x, y) / w.at(x, y), facet.cells);
       first_last = {std::min(first_last.first, cell), std::max(first_last.second, cell)};
     }
     return first_last;
   };
-  double sum = 0.0;
-  ConvexPolygon further, column, cell, below;
-  const auto [first_column, last_column] = range(rest, 0);
-  for (int i = first_column; i <= last_column; ++i) {
-    if (i < last_column) {
-      cut(rest, facet.line(0, 2.0 * (i + 1) / facet.cells - 1.0), further, column);
-    } else {
-      column = rest;
-    }
-    const auto [first_row, last_row] = range(column, 1);
-    for (int j = first_row; j <= last_row; ++j) {
-      if (j < last_row) {
-        cut(column, facet.line(1, 2.0 * (j + 1) / facet.cells - 1.0), below, cell);
-      } else {
-        cell = column;
+  // What lies before a line of the grid is taken, what lies beyond stays as the rest for the next line.
+  const auto for_each_strip = [&](const ConvexPolygon& of, int axis, const auto& take) {
+    const auto [first, last] = range(of, axis);
+    std::array<ConvexPolygon, 2> beyond;
+    ConvexPolygon before;
+    const ConvexPolygon* rest = &of;
+    for (int i = first; i < last; ++i) {
+      ConvexPolygon& next = beyond[static_cast<std::size_t>(i - first) % 2];
+      switch (cut(*rest, facet.line(axis, 2.0 * (i + 1) / facet.cells - 1.0), next, before)) {
+        case Side::positive: break;
+        case Side::negative: take(*rest, i); return;
+        case Side::both:
+          take(before, i);
+          rest = &next;
+          break;
       }
-      sum += cell.area() * facet.grays[j * facet.cells + i];
-      if (j < last_row) column = below;
     }
-    if (i < last_column) rest = further;
-  }
+    take(*rest, last);
+  };
+  double sum = 0.0;
+  for_each_strip(polygon, 0, [&](const ConvexPolygon& column, int i) {
+    for_each_strip(column, 1, [&](const ConvexPolygon& cell, int j) {
+      sum += cell.area() * facet.grays[j * facet.cells + i];
+    });
+  });
   return sum;
 }
 
@@ -233,41 +338,52 @@ bool touches(const Facet& facet, const ConvexPolygon& pixel) {
   });
 }
 
+/// Memory for mean_gray(), made once for all pixels.
+struct Scratch {
+  static constexpr std::size_t kMaxPieces = 32;
+  std::vector<std::pair<double, const Facet*>> near_first;
+  std::array<ConvexPolygon, kMaxPieces> uncovered, remaining;
+};
+
 /// The exact mean over one pixel: the nearest facet takes its part of what is still uncovered, and so on to
-/// the background.
-double mean_gray(const std::vector<Facet>& facets, const ConvexPolygon& pixel, int u, int v, double background) {
+/// the background. `facets`: those that the pixel's row may touch.
+double mean_gray(const std::vector<const Facet*>& facets, const ConvexPolygon& pixel, int u, double background,
+                 Scratch& scratch) {
   const double middle_x = (pixel.x[0] + pixel.x[2]) / 2.0, middle_y = (pixel.y[0] + pixel.y[2]) / 2.0;
-  std::array<std::pair<double, const Facet*>, 48> near_first;
-  std::size_t candidates = 0;
-  for (const Facet& facet : facets)
-    if (u >= facet.left && u < facet.right && v >= facet.top && v < facet.bottom && touches(facet, pixel) &&
-        candidates < near_first.size())
-      near_first[candidates++] = {-facet.row(2).at(middle_x, middle_y) * facet.priority, &facet};
-  std::sort(near_first.begin(), near_first.begin() + static_cast<std::ptrdiff_t>(candidates),
+  auto& [near_first, uncovered, remaining] = scratch;
+  near_first.clear();
+  for (const Facet* facet : facets)
+    if (u >= facet->left && u < facet->right && touches(*facet, pixel))
+      near_first.emplace_back(-facet->row(2).at(middle_x, middle_y) * facet->priority, facet);
+  std::sort(near_first.begin(), near_first.end(),
             [](const auto& one, const auto& other) { return one.first < other.first; });
 
-  constexpr std::size_t max_pieces = 32;
-  std::array<ConvexPolygon, max_pieces> uncovered, remaining;
   std::size_t uncovered_count = 1;
   uncovered[0] = pixel;
   double sum = 0.0;
-  for (std::size_t k = 0; k < candidates && uncovered_count > 0; ++k) {
+  ConvexPolygon inside, part, outside;
+  for (std::size_t k = 0; k < near_first.size() && uncovered_count > 0; ++k) {
     const Facet& facet = *near_first[k].second;
     std::size_t remaining_count = 0;
     for (std::size_t i = 0; i < uncovered_count; ++i) {
       const std::size_t before = remaining_count;
-      ConvexPolygon inside = uncovered[i], part;
+      inside = uncovered[i];
+      bool touched = true;
       for (const Line2& side : facet.sides) {
-        ConvexPolygon outside;
-        cut(inside, side, part, outside);
+        const Side lies = cut(inside, side, part, outside);
+        touched = lies != Side::negative;
+        if (!touched) break;
+        if (lies == Side::positive) continue;
         inside = part;
-        if (outside.size > 2 && remaining_count < max_pieces) remaining[remaining_count++] = outside;
+        if (outside.size > 2 && remaining_count < Scratch::kMaxPieces) remaining[remaining_count++] = outside;
+        touched = inside.size > 2;
+        if (!touched) break;
       }
-      if (inside.size > 2) {
+      if (touched) {
         sum += integral(facet, inside);
-      } else {  // not touched: leave it in one piece
+      } else {  // leave it in one piece
         remaining_count = before;
-        if (remaining_count < max_pieces) remaining[remaining_count++] = uncovered[i];
+        if (remaining_count < Scratch::kMaxPieces) remaining[remaining_count++] = uncovered[i];
       }
     }
     std::copy_n(remaining.begin(), remaining_count, uncovered.begin());
@@ -309,7 +425,12 @@ void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<Visi
   for (std::size_t i = 0; i < facets.size(); ++i)
     if (facets[i].cells > 1) find_cells(facets[i], static_cast<std::int16_t>(i), grid, hits);
 
-  for (int v = box.top; v < box.bottom; ++v)
+  Scratch scratch;
+  std::vector<const Facet*> in_row;
+  for (int v = box.top; v < box.bottom; ++v) {
+    in_row.clear();
+    for (const Facet& facet : facets)
+      if (v >= facet.top && v < facet.bottom) in_row.push_back(&facet);
     for (int u = box.left; u < box.right; ++u) {
       const std::size_t upper = hits.at(u, v), lower = hits.at(u, v + 1);
       const std::size_t pixel = static_cast<std::size_t>(v) * camera.width + u;
@@ -320,15 +441,16 @@ void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<Visi
       const Facet& facet = facets[static_cast<std::size_t>(std::max<std::int16_t>(index, 0))];
       double gray = 0.0;
       if (!one_facet) {
-        gray = mean_gray(facets, pixel_at(grid, u, v), u, v, image[pixel] / 256.0);
+        gray = mean_gray(in_row, pixel_at(grid, u, v), u, image[pixel] / 256.0, scratch);
       } else if (same_gray(facet, {hits.cell[upper], hits.cell[upper + 1], hits.cell[lower], hits.cell[lower + 1]})) {
         gray = facet.grays[hits.cell[upper]];
       } else {
         const ConvexPolygon outline = pixel_at(grid, u, v);
         gray = integral(facet, outline) / outline.area();
       }
-      image[pixel] = static_cast<Gray16>(std::lround(gray * 256.0));
+      image[pixel] = static_cast<Gray16>(gray * 256.0 + 0.5);
     }
+  }
 }
 
 }  // namespace pilotfish::sim

@@ -13,6 +13,7 @@ struct RayGrid {
   int columns = 0, rows = 0;
   std::vector<float> x, y;
   double min_x = 0.0, max_x = 0.0, min_y = 0.0, max_y = 0.0;
+  double largest_step = 0.0;  ///< between two corners of one pixel, in x or in y
 };
 
 }  // namespace pilotfish::sim

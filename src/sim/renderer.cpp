@@ -50,10 +50,6 @@ Renderer::Renderer(const CameraModel& camera, const CameraMounting& mounting, co
                            NoiseTable(imperfections.noise_sigma, imperfections.shot_noise, imperfections.gamma)});
 }
 
-Renderer::~Renderer() = default;
-Renderer::Renderer(Renderer&&) noexcept = default;
-Renderer& Renderer::operator=(Renderer&&) noexcept = default;
-
 const CameraModel& Renderer::camera() const { return optics_->camera; }
 const Imperfections& Renderer::imperfections() const { return optics_->imperfections; }
 

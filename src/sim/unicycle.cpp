@@ -21,10 +21,14 @@ Twist Unicycle::to_wheel_steps(Twist twist) const {
   return {(left + right) / 2.0, (right - left) / (2.0 * half_track_m)};
 }
 
-double Unicycle::slip() const {
+double Unicycle::slip() {
   if (drive_.slip_sigma == 0.0) return drive_.slip;
   const auto interval = static_cast<std::uint64_t>(elapsed_s_ / kSlipTime_s + 1e-9);
-  return drive_.slip + drive_.slip_sigma * Random(seed_for(seed_, interval)).normal();
+  if (interval != slip_interval_) {
+    slip_interval_ = interval;
+    slip_ = drive_.slip + drive_.slip_sigma * Random(seed_for(seed_, interval)).normal();
+  }
+  return slip_;
 }
 
 void Unicycle::advance(const Twist& command, double duration_s) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 
 #include "random.hpp"
 
@@ -16,6 +17,31 @@ Eigen::Isometry3d world_from_base(const Pose2& pose) {
   return wMb;
 }
 
+namespace {
+
+template <class Config>
+bool same(const Config& one, const Config& other) {
+  const auto& all = Config::parameters();
+  return std::all_of(all.begin(), all.end(), [&](const Parameter<Config>& parameter) {
+    return std::visit([&](auto member) { return one.*member == other.*member; }, parameter.member);
+  });
+}
+
+bool same_lens(const CameraModel& a, const CameraModel& b) {
+  const auto fields = [](const CameraModel& m) {
+    return std::make_tuple(m.width, m.height, m.fx, m.fy, m.cx, m.cy, m.k1, m.k2, m.p1, m.p2, m.k3, m.k4, m.lens);
+  };
+  return fields(a) == fields(b);
+}
+
+/// Whether both take the same pictures of the same view.
+bool same_pictures(const CameraSpec& one, const CameraSpec& other) {
+  return same_lens(real_model(one), real_model(other)) && same(real_mounting(one), real_mounting(other)) &&
+         same(one.imperfections, other.imperfections);
+}
+
+}  // namespace
+
 World::World(Scenario scenario) : scenario_(std::move(scenario)) {
   scenario_.validate();
   obstacles_ = scenario_.all_obstacles();
@@ -26,10 +52,17 @@ World::World(Scenario scenario) : scenario_(std::move(scenario)) {
     robot.spec = &spec;
     robot.unicycle = Unicycle(spec.drive, spec.start, seed_for(seed_for(seed, "slip"), spec.name));
     if (spec.body) robot.surfaces = surfaces_of(*spec.body);
-    if (spec.camera)
-      // One room for all cameras.
-      robot.renderer.emplace(real_model(*spec.camera), real_mounting(*spec.camera), spec.camera->imperfections,
-                             seed_for(seed, "clutter"));
+    if (spec.camera) {
+      // One room for all cameras. It takes megabytes and some tens of milliseconds: equal cameras share it.
+      const auto equal = std::find_if(robots_.begin(), robots_.end(), [&](const auto& entry) {
+        return entry.second.renderer && same_pictures(*entry.second.spec->camera, *spec.camera);
+      });
+      if (equal != robots_.end())
+        robot.renderer = equal->second.renderer;
+      else
+        robot.renderer.emplace(real_model(*spec.camera), real_mounting(*spec.camera), spec.camera->imperfections,
+                               seed_for(seed, "clutter"));
+    }
     robots_.emplace(spec.name, std::move(robot));
   }
 }
@@ -132,7 +165,6 @@ Eigen::Isometry3d World::camera_in_world(const Robot& robot, double offset_s) co
 double World::latency_s(const std::string& name) const {
   const Robot& robot = this->robot(name);
   const CameraSpec& camera = camera_of(robot);
-  if (camera.latency_jitter_s == 0.0) return camera.latency_s;
   return camera.latency_s + camera.latency_jitter_s * (2.0 * Random(frame_seed(robot, "latency")).uniform() - 1.0);
 }
 

@@ -54,15 +54,12 @@ struct View {
 /// The background is a wall and a floor full of edges on a cylinder infinitely far away: it turns with the
 /// camera and does not come nearer. Same camera, views and seeds: same bytes. The random numbers are our own
 /// (no std distribution, whose results depend on the library); blur and shapes of the clutter are
-/// OpenCV's integer code.
+/// OpenCV's integer code. Several threads may use one renderer at once.
 class Renderer {
  public:
   /// Throws ConfigError on a camera or imperfections out of range.
   Renderer(const CameraModel& camera, const CameraMounting& mounting, const Imperfections& imperfections,
            std::uint64_t clutter_seed);
-  ~Renderer();
-  Renderer(Renderer&&) noexcept;             ///< moved, with its scratch memory
-  Renderer& operator=(Renderer&&) noexcept;  ///< moved, with its scratch memory
 
   /// The picture, camera.height rows of camera.width bytes: of one instant, or the mean of several (motion blur).
   /// std::invalid_argument if there is none.
@@ -73,7 +70,7 @@ class Renderer {
 
  private:
   struct Optics;
-  std::unique_ptr<const Optics> optics_;
+  std::shared_ptr<const Optics> optics_;  ///< the same for all copies, which cost no memory
 };
 
 }  // namespace pilotfish::sim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "pilotfish/api.hpp"
 #include "pilotfish/core/parameter.hpp"
@@ -62,11 +63,13 @@ class Unicycle {
 
  private:
   Twist to_wheel_steps(Twist twist) const;
-  double slip() const;
+  double slip();
 
   DriveConfig drive_;
   std::uint64_t seed_ = 0;
   double elapsed_s_ = 0.0;
+  std::uint64_t slip_interval_ = std::numeric_limits<std::uint64_t>::max();  ///< for which slip_ was drawn
+  double slip_ = 0.0;
   UnicycleState state_;
   Twist set_value_;  ///< the driver's ramp r
   Twist wheels_;     ///< what their turning alone would make: v above
