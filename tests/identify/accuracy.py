@@ -1,6 +1,6 @@
 """How far off fits of simulated drives are, and how honest their standard deviations.
 
-`python tests/identify/accuracy.py` (36 runs, some three minutes). Not a test: pytest runs test_identify_drive.py."""
+`python tests/identify/accuracy.py [RUNS SEED]` (36 runs, some three minutes). Not a test: pytest runs test_identify_drive.py."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ NAMES = ("latency_s", "lag_s", "linear_gain", "angular_gain")
 SCENARIOS = {"square": 25.0, "stop_dead": 18.0, "circle": 25.0, "figure_eight": 25.0}
 
 
-def main(runs: int) -> None:
+def main(runs: int, seed: int) -> None:
     """Latency 20 to 300 ms, lag 10 to 600 ms (logarithmic), gains 0.96 to 1.04."""
-    random = np.random.default_rng(5)
+    random = np.random.default_rng(seed)
     errors, scores, seen = [], [], []
     for index in range(runs):
         scenario = list(SCENARIOS)[index % len(SCENARIOS)]
         truth = [random.uniform(0.02, 0.3), np.exp(random.uniform(np.log(0.01), np.log(0.6)))]
         truth += [random.uniform(0.96, 1.04), random.uniform(0.96, 1.04)]
         named = dict(zip(NAMES, truth, strict=True))
-        fit = fit_drive(evidence_from_recording(simulated(scenario, index + 1, SCENARIOS[scenario], **named)))
+        fit = fit_drive(evidence_from_recording(simulated(scenario, 100 * seed + index, SCENARIOS[scenario], **named)))
         found = [getattr(fit, name) for name in NAMES]
         errors.append([one.value - true for one, true in zip(found, truth, strict=True)])
         scores.append([error / one.sigma for error, one in zip(errors[-1], found, strict=True)])
@@ -46,4 +46,4 @@ def main(runs: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 36)
+    main(*[int(word) for word in sys.argv[1:]] or [36, 6])

@@ -76,6 +76,7 @@ def identify(
             if file is not None:
                 check_writable(file)
         from pilotfish.identify import as_yaml, evidence_of, fit_drive, verdicts_of
+        from pilotfish.identify.fit import STRAYING_M_PER_SQRT_S
         from pilotfish.identify.verdicts import settings_numbers
         from pilotfish.logs import read_run
 
@@ -95,6 +96,8 @@ def identify(
         _show(one, fit, verdicts)
         if not fit.converged:
             warn("the fit still moved when it ended: record a longer run, or one with more changes of speed")
+        if fit.straying_m_per_sqrt_s > STRAYING_M_PER_SQRT_S:
+            warn("the wheels slip or step: the latency may be 20 ms too short, and the turn gain a third too great")
         if output is not None:
             from pilotfish.whole_files import write_whole
 

@@ -124,19 +124,23 @@ def learn_noise(
 ) -> Noise:
     """The most probable sizes of leader, camera and straying, for these rows (K,), and where the leader was abrupt."""
     noise = start
-    for _ in range(rounds):
+    for turn in range(rounds):
         where = noise.abrupt
         x0 = np.log([noise.leader, noise.camera, noise.straying])
+        known = x0[2:] if turn < rounds - 1 else x0[:0]  # straying would explain what was abrupt: find that first
 
-        def cost(x: FloatArray, where: FloatArray = where) -> float:
+        def cost(x: FloatArray, where: FloatArray = where, known: FloatArray = known) -> float:
+            x = np.concatenate([x, known])
             trial = Noise(*np.exp(np.clip(x, -16, 6)), where)
             # broad priors, so that what is not observable stays where it is
             return cost_of(factor(bands(rows, sigma_m, speed, trial)), changes) + float(
                 np.sum(((x - _PRIOR_LOG) / 4.0) ** 2)
             )
 
-        best = minimize(cost, x0, method="Nelder-Mead", options={"maxfev": 90, "xatol": 0.02, "fatol": 0.05})
-        noise = Noise(*np.exp(np.clip(best.x, -16, 6)), where)
+        best = minimize(
+            cost, x0[: 3 - len(known)], method="Nelder-Mead", options={"maxfev": 90, "xatol": 0.02, "fatol": 0.05}
+        )
+        noise = Noise(*np.exp(np.clip(np.concatenate([best.x, known]), -16, 6)), where)
         lower = factor(bands(rows, sigma_m, speed, noise))
         # the leader's part of each change: Q C^-1 a, in its own standard deviations
         solved = solve_banded((0, 3), _upper(lower), whitened(lower, changes), check_finite=False)

@@ -127,6 +127,12 @@ def _dimension(fit: DriveFit, key: str, factor: Estimate, had: float | None, lea
     turning = key.endswith("track_width_m")
     if not factor.observable:
         return KeyVerdict("base", key, None, factor.sigma, had, False, _unobservable(fit, turning), False)
+    if turning and abs(factor.value - 1.0) >= _CHANCE * factor.sigma:  # rendered pictures: 1.06 where 1 is true
+        verdict = (
+            f"a hint, not to be set: factor {factor.value:.4f} +- {factor.sigma:.4f}, and pictures err by more than "
+            "that; let it turn ten times on the spot and measure"
+        )
+        return KeyVerdict("base", key, None, factor.sigma, had, False, verdict, False)
     if had is None:
         off = abs(factor.value - 1.0)
         verdict = f"multiply what the base has by {factor.value:.4f} +- {factor.sigma:.4f}"
