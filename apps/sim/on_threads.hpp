@@ -10,8 +10,8 @@
 
 namespace pilotfish::apps {
 
-/// work(0), ..., work(count - 1), each once, on so many threads, of which the caller's is one. Returns when all are done;
-/// the first exception is thrown again then, and work that had not begun is left out.
+/// work(0), ..., work(count - 1), each once, on so many threads, of which the caller's is one. Returns when all are
+/// done; the first exception is thrown again then, and work that had not begun is left out.
 template <class Work>
 void on_threads(std::size_t threads, std::size_t count, const Work& work) {
   std::atomic<std::size_t> next{0};

@@ -36,7 +36,12 @@ NoAnswer no_answer(const std::vector<std::string>& robots, double waited_s, cons
 }  // namespace
 
 Runner::Runner(sim::World& world, bus::Bus& bus, double wait_s, std::ostream* csv, const RunnerConfig& config)
-    : world_(world), bus_(bus), wait_s_(wait_s), csv_(csv), driven_by_base_(config.driven_by_base), threads_(config.threads) {
+    : world_(world),
+      bus_(bus),
+      wait_s_(wait_s),
+      csv_(csv),
+      driven_by_base_(config.driven_by_base),
+      threads_(config.threads) {
   for (const sim::RobotSpec& robot : world_.scenario().robots)
     if (!robot.follows.empty()) followers_.push_back(robot.name);
   for (const std::string& robot : followers_) {
@@ -186,8 +191,7 @@ void Runner::expose_all() {
   publish_ranges();
   const std::vector<std::optional<Frame>> exposed = expose();
   for (std::size_t i = 0; i < exposed.size(); ++i)
-    if (exposed[i])
-      under_way_.push_back({world_.time_s() + latency_s(followers_[i]), followers_[i], *exposed[i]});
+    if (exposed[i]) under_way_.push_back({world_.time_s() + latency_s(followers_[i]), followers_[i], *exposed[i]});
   record();
   report_progress();
   report_failures();

@@ -22,15 +22,15 @@ inline std::int64_t thread_ns() {
 
 /// Where the processor time of one closed-loop frame went [ns], and how well the robot follows at its exposure.
 struct FrameFigures {
-  std::int64_t move_ns = 0;          ///< the world's robots drive on to this exposure
-  std::int64_t render_ns = 0;        ///< the camera's picture
-  std::int64_t see_decide_ns = 0;    ///< from the picture to the command
-  bool seen = false;                 ///< the leader was measured
-  double distance_error_m = 0.0;     ///< true distance less the setpoint's
-  double bearing_error_rad = 0.0;    ///< true bearing less the setpoint's
-  double measured_error_m = 0.0;     ///< measured distance less the true one; 0 where not seen
-  double measured_bearing_rad = 0.0; ///< the same of the bearing
-  double measured_heading_rad = 0.0; ///< the same of the heading
+  std::int64_t move_ns = 0;           ///< the world's robots drive on to this exposure
+  std::int64_t render_ns = 0;         ///< the camera's picture
+  std::int64_t see_decide_ns = 0;     ///< from the picture to the command
+  bool seen = false;                  ///< the leader was measured
+  double distance_error_m = 0.0;      ///< true distance less the setpoint's
+  double bearing_error_rad = 0.0;     ///< true bearing less the setpoint's
+  double measured_error_m = 0.0;      ///< measured distance less the true one; 0 where not seen
+  double measured_bearing_rad = 0.0;  ///< the same of the bearing
+  double measured_heading_rad = 0.0;  ///< the same of the heading
 };
 
 /// A simulator, vision and a controller, closed: it is played one exposure after the other.

@@ -4,9 +4,9 @@
 //   sim_benchmark crowd SCENARIO FRAMES THREADS    all robots of a scenario
 //
 // follow: a line of JSON a loop and frame: {"loop", "row", "frame", "move_ns", "render_ns", "see_decide_ns", "seen",
-// "distance_error_m", "bearing_error_rad", "measured_..."}; times are processor time of the one thread. The loops play in turns of 15 frames, in a random order, so
-// that each finds the caches full of another's data now and then, as a program does beside which others run, and a
-// disturbance of the computer affects all. crowd: see crowd.hpp.
+// "distance_error_m", "bearing_error_rad", "measured_..."}; times are processor time of the one thread. The loops play
+// in turns of 15 frames, in a random order, so that each finds the caches full of another's data now and then, as a
+// program does beside which others run, and a disturbance of the computer affects all. crowd: see crowd.hpp.
 
 #include <algorithm>
 #include <cstdio>

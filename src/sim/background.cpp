@@ -77,8 +77,8 @@ cv::Mat painted_wall(std::uint64_t seed) {
   return wall;
 }
 
-/// Bilinear, in integers. Of each word `mix` has the upper two pixels, mixed, in its lower half, and the lower two in its
-/// upper half: 256 * 255 fits into 16 bits.
+/// Bilinear, in integers. Of each word `mix` has the upper two pixels, mixed, in its lower half, and the lower two in
+/// its upper half: 256 * 255 fits into 16 bits.
 PILOTFISH_FOR_WIDER_REGISTERS
 void sample(const std::uint32_t* panorama, const std::uint32_t* columns, const std::uint32_t* rows,
             std::uint32_t turned, std::size_t count, Gray16* image) {

@@ -44,8 +44,8 @@ void add_shot_noise(const std::uint16_t* grays, const std::int32_t* table, const
 
 /// pixels[i] = clip((grays[i] * gain_256 / 256 + noise[i]) / 256), rounded.
 PILOTFISH_FOR_WIDER_REGISTERS
-void add_noise(const std::uint16_t* grays, const std::int32_t* table, const std::uint16_t* chosen, std::int32_t gain_256,
-               std::size_t count, std::uint8_t* pixels) {
+void add_noise(const std::uint16_t* grays, const std::int32_t* table, const std::uint16_t* chosen,
+               std::int32_t gain_256, std::size_t count, std::uint8_t* pixels) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t gray = ((grays[i] * gain_256) >> 8) + table[chosen[i]];
     pixels[i] = static_cast<std::uint8_t>(std::min(std::max((gray + 128) >> 8, 0), 255));
@@ -54,7 +54,8 @@ void add_noise(const std::uint16_t* grays, const std::int32_t* table, const std:
 
 }  // namespace
 
-NoiseTable::NoiseTable(double sigma, double shot, double gamma) : even_(shot == 0.0 && gamma == 1.0), noiseless_(sigma == 0.0 && shot == 0.0) {
+NoiseTable::NoiseTable(double sigma, double shot, double gamma)
+    : even_(shot == 0.0 && gamma == 1.0), noiseless_(sigma == 0.0 && shot == 0.0) {
   constexpr int size = 1 << kBits;
   const double largest = std::hypot(sigma, shot);
   std::array<double, size> quantiles;

@@ -18,8 +18,8 @@ RayGrid::RayGrid(const CameraModel& camera) : columns(camera.width + 1), rows(ca
     for (int u = 0; u + 1 < columns; ++u) {
       const std::size_t here = static_cast<std::size_t>(v) * columns + u;
       for (const std::size_t other : {here + 1, here + columns, here + columns + 1})
-        largest_step = std::max(largest_step, static_cast<double>(std::max(std::abs(x[other] - x[here]),
-                                                                           std::abs(y[other] - y[here]))));
+        largest_step = std::max(
+            largest_step, static_cast<double>(std::max(std::abs(x[other] - x[here]), std::abs(y[other] - y[here]))));
     }
   const auto [least_x, greatest_x] = std::minmax_element(x.begin(), x.end());
   const auto [least_y, greatest_y] = std::minmax_element(y.begin(), y.end());
