@@ -74,7 +74,8 @@ def main(
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="pilotfish-") as folder:
         for name in part or parts:
-            console.print(f"load of the computer before {name}: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
+            load = f"{os.getloadavg()[0]:.1f} on {os.cpu_count()} processors"
+            console.print(f"load of the computer before {name}: {load}")
             result[name] = parts[name](played, Path(folder), 1.0 if quick else seconds, quick, out)
     (out / "sim.json").write_text(json.dumps(result, indent=1) + "\n")
     console.print(f"wrote {out / 'sim.json'}", soft_wrap=True)
@@ -132,9 +133,7 @@ def _scale(played: Sim, folder: Path, seconds: float, quick: bool, out: Path) ->
     return {"exponent": grows, "rows": [asdict(row) for row in rows]}
 
 
-def _crowds(
-    played: Sim, folder: Path, robots: int, threads: tuple[int, ...], frames: int
-) -> list[CrowdFigures]:
+def _crowds(played: Sim, folder: Path, robots: int, threads: tuple[int, ...], frames: int) -> list[CrowdFigures]:
     file = column(robots, folder / f"column{robots}")
     return [crowd_figures(played("crowd", file, frames, count)[0]) for count in threads]
 

@@ -33,5 +33,4 @@ def draw_scale(rows: Sequence[CrowdFigures], exponent: float, theme: Theme = LIG
         axes.set_ylabel("processor time\nper robot and frame [ms]")
         axes.set_title(f"A frame of all robots costs robots^{exponent:.2f}")
         axes.legend(loc="lower right")
-        figure.tight_layout()
     return figure

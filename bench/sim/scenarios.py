@@ -1,4 +1,4 @@
-"""The scenarios that are played, as files: one robot behind a leader under three cameras, and columns of many robots."""
+"""The scenarios that are played, as files: one robot behind a leader under three cameras, and columns of robots."""
 
 from __future__ import annotations
 

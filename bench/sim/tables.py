@@ -16,7 +16,17 @@ def loops(title: str, rows: Sequence[LoopFigures], ratios: Mapping[str, float], 
         "processor time of one thread; ratio: Pilotfish's frames per second over this one's; errors: RMS of the second "
         f"half, against the truth.\nPilotfish through Python's run_in_process: {harness_per_s:.0f} frames/s"
     )
-    headings = ("frames/s", "ratio", "frame, ms", "render", "see, decide", "move", "seen", "distance, mm", "bearing, deg")
+    headings = (
+        "frames/s",
+        "ratio",
+        "frame, ms",
+        "render",
+        "see, decide",
+        "move",
+        "seen",
+        "distance, mm",
+        "bearing, deg",
+    )
     table = _table(title, caption, "loop", headings)
     for row in rows:
         table.add_row(
@@ -59,7 +69,7 @@ def crowds(title: str, rows: Sequence[CrowdFigures]) -> Table:
 
 
 def programs(rows: Sequence[Programs]) -> Table:
-    caption = "latency: arrival of a picture to its command, as the coordinators report it; processors: busy with all of it"
+    caption = "latency: from a picture's arrival to its command, as the coordinators report it; processors: busy"
     headings = ("exposures", "skipped", "pictures", "answered", "tracked", "p50, ms", "p99, ms", "processors")
     table = _table("real programs on one bus, in real time", caption, "robots", headings)
     for row in rows:
