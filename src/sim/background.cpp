@@ -80,11 +80,10 @@ cv::Mat painted_wall(std::uint64_t seed) {
 /// Bilinear, in integers. Of each word `mix` has the upper two pixels, mixed, in its lower half, and the lower two in
 /// its upper half: 256 * 255 fits into 16 bits.
 PILOTFISH_FOR_WIDER_REGISTERS
-void sample(const std::uint32_t* panorama, const std::uint32_t* columns, const std::uint32_t* rows,
-            std::uint32_t turned, std::size_t count, Gray16* image) {
+void interpolate(const std::uint32_t* words, const std::uint32_t* columns, const std::uint32_t* rows,
+                 std::uint32_t turned, std::size_t count, Gray16* image) {
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t column = columns[i] + turned, row = rows[i];
-    const std::uint32_t word = panorama[(row >> 8) + ((column >> 8) & (kColumns - 1))];
+    const std::uint32_t column = columns[i] + turned, row = rows[i], word = words[i];
     const std::uint32_t right = column & 255, left = 256 - right, below = row & 255, above = 256 - below;
     const std::uint32_t mix = (word & 0x00FF00FF) * left + ((word >> 8) & 0x00FF00FF) * right;
     image[i] = static_cast<Gray16>((above * (mix & 0xFFFF) + below * (mix >> 16)) >> 8);
@@ -141,7 +140,14 @@ void Background::paint(double robot_heading_rad, Gray16* image) const {
   }
   const auto turned =
       static_cast<std::uint32_t>(std::lround(-wrap_angle(robot_heading_rad) / (2.0 * kPi) * kColumns * 256.0));
-  sample(panorama_.data(), columns_.data(), rows_.data(), turned, columns_.size(), image);
+  std::array<std::uint32_t, 1024> words;  // looked up one by one: gathering is no faster
+  for (std::size_t begin = 0; begin < columns_.size(); begin += words.size()) {
+    const std::size_t count = std::min(words.size(), columns_.size() - begin);
+    const std::uint32_t *columns = columns_.data() + begin, *rows = rows_.data() + begin;
+    for (std::size_t i = 0; i < count; ++i)
+      words[i] = panorama_[(rows[i] >> 8) + (((columns[i] + turned) >> 8) & (kColumns - 1))];
+    interpolate(words.data(), columns, rows, turned, count, image + begin);
+  }
 }
 
 }  // namespace pilotfish::sim

@@ -42,8 +42,8 @@ void trace(const CameraModel& camera, const Outline& outline, Facet& facet, std:
   facet.top = camera.height;
   facet.right = facet.bottom = 0;
   constexpr double reach_px = 0.3;
-  const auto mark = [&](double u, double v) {
-    const int pu = static_cast<int>(std::floor(u + 0.5)), pv = static_cast<int>(std::floor(v + 0.5));
+  const auto nearest = [](double at) { return static_cast<int>(at + (0.5 + 65536.0)) - 65536; };  // a fast floor()
+  const auto mark = [&](int pu, int pv) {
     facet.left = std::min(facet.left, pu);
     facet.right = std::max(facet.right, pu + 1);
     facet.top = std::min(facet.top, pv);
@@ -58,8 +58,12 @@ void trace(const CameraModel& camera, const Outline& outline, Facet& facet, std:
     const int steps = 1 + static_cast<int>(2.5 * length_px);
     for (int step = 0; step < steps; ++step) {
       const Eigen::Vector2d pixel = project_normalized(camera, ray + (end - ray) * (double(step) / steps));
-      for (double du : {-reach_px, reach_px})
-        for (double dv : {-reach_px, reach_px}) mark(pixel.x() + du, pixel.y() + dv);
+      const int left = nearest(pixel.x() - reach_px), right = nearest(pixel.x() + reach_px);
+      const int top = nearest(pixel.y() - reach_px), bottom = nearest(pixel.y() + reach_px);
+      mark(left, top);
+      if (right != left) mark(right, top);
+      if (bottom != top) mark(left, bottom);
+      if (right != left && bottom != top) mark(right, bottom);
     }
   }
   facet.left = std::clamp(facet.left, 0, camera.width);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -16,12 +17,12 @@ class NoiseTable {
   /// Gray levels at gray 0 and what is added at gray 255: variance sigma^2 + shot^2 gray / 255. gamma: of the response.
   explicit NoiseTable(double sigma, double shot = 0.0, double gamma = 1.0);
   /// pixels[i] = response(clip(grays[i] / 256 * gain + noise)), rounded to the nearest gray level.
-  void expose(const std::vector<std::uint16_t>& grays, double gain, std::uint64_t seed,
+  void expose(const std::uint16_t* grays, std::size_t size, double gain, std::uint64_t seed,
               std::vector<std::uint8_t>& pixels) const;
 
  private:
   static constexpr int kBits = 12;
-  void expose_evenly(const std::vector<std::uint16_t>& grays, std::int32_t gain_256, std::uint64_t seed,
+  void expose_evenly(const std::uint16_t* grays, std::size_t size, std::int32_t gain_256, std::uint64_t seed,
                      std::vector<std::uint8_t>& pixels) const;
 
   std::array<std::int32_t, 1 << kBits> table_;  ///< in 1/256 gray levels

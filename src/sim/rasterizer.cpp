@@ -8,6 +8,7 @@
 
 #include "convex_polygon.hpp"
 #include "facets.hpp"
+#include "wider_registers.hpp"
 
 namespace pilotfish::sim {
 namespace {
@@ -34,6 +35,7 @@ struct Hits {
   std::size_t at(int u, int v) const { return static_cast<std::size_t>(v - box.top) * stride + (u - box.left); }
 };
 
+PILOTFISH_FOR_WIDER_REGISTERS
 void hit(const Facet& facet, std::int16_t index, const RayGrid& grid, Hits& hits) {
   const Eigen::Matrix3f m = facet.from_ray.cast<float>();
   const auto priority = static_cast<float>(facet.priority);
@@ -58,19 +60,36 @@ int cell_along(double coordinate, int cells) {
   return std::clamp(static_cast<int>((coordinate + 1.0) * 0.5 * cells), 0, cells - 1);
 }
 
+/// The same for a row of rays, as row * cells + column. `m`: Facet::from_ray, row by row. No operation is fused here
+/// either (see wider_registers.hpp: AVX2 has none), so that all processors find the same.
+PILOTFISH_FOR_WIDER_REGISTERS
+void cells_of_rays(const float* x, const float* y, std::size_t count, const std::array<float, 9>& m, int cells,
+                   std::int32_t* found) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float inverse = 1.0F / (m[6] * x[i] + m[7] * y[i] + m[8]);
+    const float a = (m[0] * x[i] + m[1] * y[i] + m[2]) * inverse, b = (m[3] * x[i] + m[4] * y[i] + m[5]) * inverse;
+    const auto column = static_cast<std::int32_t>((static_cast<double>(a) + 1.0) * 0.5 * cells);
+    const auto row = static_cast<std::int32_t>((static_cast<double>(b) + 1.0) * 0.5 * cells);
+    found[i] = std::min(std::max(row, 0), cells - 1) * cells + std::min(std::max(column, 0), cells - 1);
+  }
+}
+
 /// Row * cells + column of the cell, for the corners that meet this facet.
 void find_cells(const Facet& facet, std::int16_t index, const RayGrid& grid, Hits& hits) {
-  const Eigen::Matrix3f m = facet.from_ray.cast<float>();
-  for (int v = facet.top; v <= facet.bottom; ++v)
-    for (int u = facet.left; u <= facet.right; ++u) {
-      const std::size_t here = hits.at(u, v);
-      if (hits.facet[here] != index) continue;
-      const std::size_t ray = static_cast<std::size_t>(v) * grid.columns + u;
-      const Eigen::Vector3f q = m * Eigen::Vector3f(grid.x[ray], grid.y[ray], 1.0F);
-      const float inverse = 1.0F / q.z();
-      hits.cell[here] = static_cast<std::int16_t>(cell_along(q.y() * inverse, facet.cells) * facet.cells +
-                                                  cell_along(q.x() * inverse, facet.cells));
-    }
+  std::array<float, 9> m;
+  for (int i = 0; i < 9; ++i) m[static_cast<std::size_t>(i)] = static_cast<float>(facet.from_ray(i / 3, i % 3));
+  std::vector<std::int32_t> found(static_cast<std::size_t>(facet.right - facet.left + 1));
+  for (int v = facet.top; v <= facet.bottom; ++v) {
+    // From the first to the last ray of the row that meets this facet; in between few meet another.
+    std::size_t first = hits.at(facet.left, v), last = hits.at(facet.right, v) + 1;
+    while (first < last && hits.facet[first] != index) ++first;
+    while (first < last && hits.facet[last - 1] != index) --last;
+    const std::size_t ray =
+        static_cast<std::size_t>(v) * grid.columns + hits.box.left + (first - hits.at(hits.box.left, v));
+    cells_of_rays(grid.x.data() + ray, grid.y.data() + ray, last - first, m, facet.cells, found.data());
+    for (std::size_t here = first; here < last; ++here)
+      if (hits.facet[here] == index) hits.cell[here] = static_cast<std::int16_t>(found[here - first]);
+  }
 }
 
 /// Integral of the facet's gray over a polygon inside it: the polygon, cut into columns and these into rows of cells.
@@ -189,6 +208,9 @@ double mean_gray(const std::vector<const Facet*>& facets, const ConvexPolygon& p
 /// Whether a pixel whose corners meet these four cells of one facet has one gray: its image lies in their bounding box.
 bool same_gray(const Facet& facet, const std::array<std::int16_t, 4>& corners) {
   if (corners[0] == corners[1] && corners[0] == corners[2] && corners[0] == corners[3]) return true;
+  const float at_first = facet.grays[corners[0]];
+  for (std::int16_t cell : corners)
+    if (facet.grays[cell] != at_first) return false;
   int left = facet.cells, right = 0, top = facet.cells, bottom = 0;
   for (std::int16_t cell : corners) {
     left = std::min(left, cell % facet.cells);

@@ -23,10 +23,13 @@ std::vector<Gray16> mean(const std::vector<std::vector<Gray16>>& pictures) {
   return result;
 }
 
-void blur(std::vector<Gray16>& grays, int width, int height, double sigma_px) {
+/// In place OpenCV would copy the picture first.
+cv::Mat blurred(std::vector<Gray16>& grays, int width, int height, double sigma_px) {
   const int reach = static_cast<int>(std::ceil(3.0 * sigma_px));
-  cv::Mat image(height, width, CV_16UC1, grays.data());
-  cv::GaussianBlur(image, image, cv::Size(2 * reach + 1, 2 * reach + 1), sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  const cv::Mat image(height, width, CV_16UC1, grays.data());
+  cv::Mat result;
+  cv::GaussianBlur(image, result, cv::Size(2 * reach + 1, 2 * reach + 1), sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  return result;
 }
 
 }  // namespace
@@ -63,10 +66,12 @@ std::vector<std::uint8_t> Renderer::render(const std::vector<View>& instants, st
     draw(camera, optics_->grid, view.bodies, sharp.back().data());
   }
   std::vector<Gray16> grays = sharp.size() == 1 ? std::move(sharp[0]) : mean(sharp);
+  cv::Mat soft;
   if (optics_->imperfections.blur_sigma_px > 0.0)
-    blur(grays, camera.width, camera.height, optics_->imperfections.blur_sigma_px);
+    soft = blurred(grays, camera.width, camera.height, optics_->imperfections.blur_sigma_px);
+  const Gray16* exposed = soft.empty() ? grays.data() : soft.ptr<Gray16>();
   std::vector<std::uint8_t> pixels;
-  optics_->noise.expose(grays, optics_->imperfections.exposure_gain, noise_seed, pixels);
+  optics_->noise.expose(exposed, grays.size(), optics_->imperfections.exposure_gain, noise_seed, pixels);
   return pixels;
 }
 
