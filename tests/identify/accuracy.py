@@ -1,10 +1,6 @@
 """How far off fits of simulated drives are, and how honest their standard deviations.
 
-`python tests/identify/accuracy.py [RUNS SEED]` (36 runs, some three minutes). Not a test: pytest runs another file."""
-`python tests/identify/accuracy.py [RUNS SEED]` (36 runs, some three minutes). Not a test: pytest runs another file."""
-=======
 `python tests/identify/accuracy.py [RUNS SEED]` (36 runs, some two minutes). Not a test."""
->>>>>>> ident
 
 from __future__ import annotations
 
