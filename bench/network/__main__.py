@@ -1,6 +1,6 @@
-"""Robots on hosts of their own, the network between them disturbed
+"""Robots on hosts of their own, the network between them disturbed.
 
-Takes: 35 minutes; 2 with --quick.
+Takes: 35 minutes; 6 with --quick.
 scripts/bench network
 scripts/bench network -- --quick                                 lock-step and one repetition of the worst
 scripts/bench network -- --part following --disturbance loss-50 --repetitions 5

@@ -1,4 +1,4 @@
-"""The simulator in a closed loop, beside vpImageSimulator with vpDetectorAprilTag; and with 1 to 100 robots.
+"""The simulator in a closed loop, beside ViSP's; and with 1 to 100 robots.
 
 Takes: 6 minutes; 20 s with --quick.
 scripts/bench sim
