@@ -125,7 +125,8 @@ def _programs(played: Sim, folder: Path, seconds: float, quick: bool, out: Path)
 def _scale(played: Sim, folder: Path, seconds: float, quick: bool, out: Path) -> dict[str, Any]:
     rows = []
     for robots in (1, 2, 5) if quick else ROBOTS:
-        rows += _crowds(played, folder, robots, (1,), max(15 if quick else 30, min(round(30 * seconds), 300 // robots)))
+        # As many frames each: the first, in which the leader is searched for, counts as much for all.
+        rows += _crowds(played, folder, robots, (1,), 15 if quick else 30)
     counts = [row.robots for row in rows]
     grows = exponent(counts, [row.robots * row.robot_frame_ms for row in rows])
     console.print(tables.crowds(f"a column: the cost of a frame grows as robots^{grows:.2f}", rows))

@@ -32,5 +32,5 @@ def draw_scale(rows: Sequence[CrowdFigures], exponent: float, theme: Theme = LIG
         axes.set_xlabel("robots in a column, each with a camera of 640 x 480 [-]")
         axes.set_ylabel("processor time\nper robot and frame [ms]")
         axes.set_title(f"A frame of all robots costs robots^{exponent:.2f}")
-        axes.legend(loc="lower right")
+        axes.legend(loc="center right")
     return figure
