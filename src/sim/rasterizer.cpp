@@ -263,7 +263,7 @@ void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<Visi
         const ConvexPolygon outline = pixel_at(grid, u, v);
         gray = integral(facet, outline) / outline.area();
       }
-      image[pixel] = static_cast<Gray16>(gray * 256.0 + 0.5);
+      image[pixel] = static_cast<Gray16>(std::lround(gray * 256.0));
     }
   }
 }
