@@ -83,9 +83,11 @@ def processes_of(folder):
     return found
 
 
-# It starts whole benchmarks and ends them in the middle. On a computer with a load of 16 one of them stayed behind, and
-# took the time of every test after it: so not in the suite, but by hand, with PILOTFISH_END_BENCHMARKS=1.
-@pytest.mark.skipif("PILOTFISH_END_BENCHMARKS" not in os.environ, reason="PILOTFISH_END_BENCHMARKS=1 runs it")
+def hear_interrupts():
+    """What starts the tests may ignore them, as a shell does for a job in the background, and a child inherits that."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @needs_namespaces
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
 def test_whatever_ends_the_benchmark_no_program_of_it_is_left(tmp_path, how):
@@ -95,13 +97,20 @@ def test_whatever_ends_the_benchmark_no_program_of_it_is_left(tmp_path, how):
     words = [sys.executable, BENCH, "--part", "lockstep", "--duration-s", "600", "--out", tmp_path / "out"]
     before = subprocess.run(["ip", "netns", "list"], capture_output=True, text=True, check=True).stdout
     child = subprocess.Popen(
-        words, env=os.environ | {"TMPDIR": str(temporary)}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        words,
+        env=os.environ | {"TMPDIR": str(temporary)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        preexec_fn=hear_interrupts,
     )
     try:
         wait_until(lambda: len(processes_of(temporary)) >= 2, "two simulators, which record into the folder")
     finally:
         child.send_signal(how)
-        child.wait(30)
+        try:
+            child.wait(30)
+        finally:
+            child.kill()  # or what the test has failed to end would take the time of all that come after
     wait_until(lambda: not processes_of(temporary), "the end of all")
     if how != signal.SIGKILL:
         assert child.returncode in (128 + how, -how)
