@@ -1,4 +1,4 @@
-"""The shipped configuration, to be changed and written elsewhere."""
+"""The shipped configuration and scenarios, to be changed and written elsewhere."""
 
 from __future__ import annotations
 
@@ -16,3 +16,14 @@ def shipped_coordinator() -> dict[str, Any]:
     for table, key in ((config["camera"], "calibration"), (config, "leader"), (config, "fuzzy")):
         table[key] = str((source.parent / table[key]).resolve())
     return config
+
+
+def shipped_scenario(which: str) -> dict[str, Any]:
+    """scenarios/WHICH.yaml; the files its robots name have absolute paths."""
+    source = data.path(f"scenarios/{which}.yaml")
+    scenario = yaml.safe_load(source.read_text())
+    for robot in scenario["robots"]:
+        for table, key in ((robot.get("body"), "leader"), (robot.get("camera"), "calibration"), (robot, "coordinator")):
+            if table and key in table:
+                table[key] = str((source.parent / table[key]).resolve())
+    return scenario

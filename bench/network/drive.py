@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import lcm
 import numpy as np
@@ -19,6 +18,7 @@ from disturbances import DISTURBANCES, DOWN, FROM
 from forward import BUFFER, LOCAL_URL, SHARED_URL
 from hosts import HERE, Host, Listener, hosts
 
+from bench.common.configuration import shipped_scenario
 from pilotfish import data, sim
 from pilotfish.harness.child import Child
 from pilotfish.harness.executables import COORDINATOR, SIM, find_executable
@@ -86,12 +86,7 @@ def drive(plan: Plan) -> list[Driven]:
 
 def _scenario(folder: Path, name: str, which: str, plan: Plan) -> Scenario:
     """The shipped one; its robot has this name, and noise of its own."""
-    original = data.path(f"scenarios/{which}.yaml")
-    content: dict[str, Any] = yaml.safe_load(original.read_text())
-    for robot in content["robots"]:
-        for place, key in ((robot.get("body"), "leader"), (robot.get("camera"), "calibration"), (robot, "coordinator")):
-            if place and key in place:
-                place[key] = str((original.parent / place[key]).resolve())
+    content = shipped_scenario(which)
     content["robots"][1]["name"] = name
     content["seed"] = int(name[-1])
     if plan.nonideal:

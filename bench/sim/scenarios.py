@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from bench.common.configuration import shipped_coordinator
+from bench.common.configuration import shipped_coordinator, shipped_scenario
 from pilotfish import data
 
 SPACING_M = 1.0
@@ -35,9 +35,9 @@ def following(condition: str, folder: Path) -> Path:
     """`line` under that condition: scenario, camera and coordinator in `folder`."""
     change = CONDITIONS[condition]
     folder.mkdir(parents=True, exist_ok=True)
-    scenario, config = _line(), shipped_coordinator()
+    scenario, config = shipped_scenario("line"), shipped_coordinator()
     config["safety"] = {"noiseless_camera": change["pinhole"]}  # without noise one picture can equal the last
-    leader, robot = scenario["robots"]
+    robot = scenario["robots"][1]
     calibration = Path(config["camera"]["calibration"])
     if change["pinhole"]:
         pinhole = folder / "pinhole.yaml"
@@ -48,7 +48,6 @@ def following(condition: str, folder: Path) -> Path:
     if change.get("hardware"):
         robot["hardware"] = str(data.path("hardware/nonideal.yaml"))
     robot["coordinator"] = _written(folder / "robot1.yaml", config)
-    leader["body"]["leader"] = str(data.path("leaders/three_faces.yaml"))
     return Path(_written(folder / "line.yaml", scenario))
 
 
@@ -56,7 +55,7 @@ def column(robots: int, folder: Path) -> Path:
     """`robots` robots behind a leader on a straight line, each following the one before it at 1 m. Each wears three
     tags of its own, as the leader does; every camera has all robots before it in its field of view."""
     folder.mkdir(parents=True, exist_ok=True)
-    scenario, config = _line(), shipped_coordinator()
+    scenario, config = shipped_scenario("line"), shipped_coordinator()
     leader, follower = scenario["robots"]
     setpoint = {"distance_m": SPACING_M, "bearing_deg": 0.0}
     body = yaml.safe_load(data.path("leaders/three_faces.yaml").read_text())
@@ -78,10 +77,6 @@ def column(robots: int, folder: Path) -> Path:
         everyone.append(entry)
     scenario |= {"name": "column", "description": f"{robots} robots in a column", "robots": everyone}
     return Path(_written(folder / "column.yaml", scenario))
-
-
-def _line() -> dict[str, Any]:
-    return yaml.safe_load(data.path("scenarios/line.yaml").read_text())
 
 
 def _written(file: Path, content: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from pilotfish import sim
 from pilotfish.harness.run import Run
 from pilotfish.harness.scenario import Scenario
+from pilotfish.metrics import frames_detected_ratio
 from pilotfish.recording import FloatArray, Recording
 
 AT_THE_END_S = 2.0
@@ -38,24 +39,22 @@ def passages(scenario: Scenario, run: Run) -> list[Passage]:
         places.setdefault(own.meta.leader, np.stack([own.leader_x_m, own.leader_y_m]))
     found = []
     for name, own in run.recordings.items():
-        to_obstacles = [
-            math.hypot(*gap) - obstacle.radius_m - radius_m[name]
+        to_obstacles_m = [
+            _least_m(places[name], np.array([[obstacle.x_m], [obstacle.y_m]])) - obstacle.radius_m - radius_m[name]
             for obstacle in obstacles
-            for gap in [_nearest(places[name], np.array([[obstacle.x_m], [obstacle.y_m]]))]
         ]
-        to_robots = [
-            math.hypot(*_nearest(places[name], place)) - radius_m[name] - radius_m[other]
+        to_robots_m = [
+            _least_m(places[name], place) - radius_m[name] - radius_m[other]
             for other, place in places.items()
             if other != name
         ]
-        found.append(_passage(own, min(to_obstacles, default=math.inf), min(to_robots, default=math.inf)))
+        found.append(_passage(own, min(to_obstacles_m, default=math.inf), min(to_robots_m, default=math.inf)))
     return found
 
 
-def _nearest(own: FloatArray, other: FloatArray) -> FloatArray:
-    """The shortest of the vectors from one to the other; (2, N) and (2, N) or (2, 1)."""
-    apart = other - own
-    return apart[:, np.argmin(np.hypot(*apart))]
+def _least_m(own: FloatArray, other: FloatArray) -> float:
+    """The least distance; (2, N) and (2, N) or (2, 1)."""
+    return float(np.hypot(*(other - own)).min())
 
 
 def _passage(own: Recording, obstacle_clearance_m: float, robot_clearance_m: float) -> Passage:
@@ -66,5 +65,5 @@ def _passage(own: Recording, obstacle_clearance_m: float, robot_clearance_m: flo
         robot_clearance_m,
         float(own.distance_error_m[late].mean()),
         float(own.bearing_error_rad[late].mean()),
-        float(np.isfinite(own.measured_distance_m).mean()),
+        frames_detected_ratio(own),
     )

@@ -22,6 +22,13 @@ double no_faster(double seen, double announced) {
   return seen >= 0.0 ? std::clamp(announced, 0.0, seen) : std::clamp(announced, seen, 0.0);
 }
 
+/// Uncorrelated with the rest from now on.
+void set_sigma(LeaderEstimate& estimate, int of, double sigma) {
+  estimate.covariance.row(of).setZero();
+  estimate.covariance.col(of).setZero();
+  estimate.covariance(of, of) = sigma * sigma;
+}
+
 }  // namespace
 
 std::string_view to_string(LeaderIntentUse use) noexcept {
@@ -162,10 +169,7 @@ LeaderEstimate LeaderIntent::fed_forward(const LeaderEstimate& predicted, std::i
   const double sigma_mps = along.tolerance / kSigmas;
   for (const int of : {2, 3}) {
     const double variance = changed.covariance(of, of);
-    if (variance <= sigma_mps * sigma_mps) continue;
-    changed.covariance.row(of).setZero();
-    changed.covariance.col(of).setZero();
-    changed.covariance(of, of) = sigma_mps * sigma_mps;
+    if (variance > sigma_mps * sigma_mps) set_sigma(changed, of, sigma_mps);
   }
   return changed;
 }
@@ -174,20 +178,15 @@ LeaderEstimate LeaderIntent::fed_forward(const LeaderEstimate& predicted, std::i
 /// old covariance no longer holds; the tolerance takes its place.
 LeaderEstimate LeaderIntent::slowed(const LeaderEstimate& seen) const noexcept {
   LeaderEstimate slow = seen;
-  const auto set_sigma = [&slow](int of, double sigma) {
-    slow.covariance.row(of).setZero();
-    slow.covariance.col(of).setZero();
-    slow.covariance(of, of) = sigma * sigma;
-  };
   const auto [along, turn] = axes(seen);
   if (announces_slower(along)) {
     slow.mean.segment<2>(2) *= no_faster(along.seen, newest().twist.linear_mps) / along.seen;
-    set_sigma(2, along.tolerance);
-    set_sigma(3, along.tolerance);
+    set_sigma(slow, 2, along.tolerance);
+    set_sigma(slow, 3, along.tolerance);
   }
   if (announces_slower(turn)) {
     slow.mean(5) = no_faster(turn.seen, newest().twist.angular_radps);
-    set_sigma(5, turn.tolerance);
+    set_sigma(slow, 5, turn.tolerance);
   }
   return slow;
 }

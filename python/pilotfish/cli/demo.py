@@ -17,12 +17,10 @@ from pilotfish.cli.driving_options import Law, Profiles, ProfilesOption, drivers
 from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, PictureFormat, writable_folder
 
 if TYPE_CHECKING:
-    from pilotfish.camera_view import CameraView
     from pilotfish.experiments import Experiment, Result
     from pilotfish.plots.gallery import Gallery, Picture
     from pilotfish.plots.page import Section
 
-GIF_FRAMES = 60
 NONIDEAL = "The same with slip, lag, noise and camera misalignment, not configured"
 
 
@@ -47,6 +45,7 @@ def demo(
       pilotfish demo --out out/dark --dark
       pilotfish demo --out out/print --format pdf
     """
+    from pilotfish.among_obstacles import passages
     from pilotfish.cli import demo_obstacles
     from pilotfish.cli.pictures import gallery, save_comparison, save_pictures, save_recording
     from pilotfish.experiments import EXPERIMENTS, metrics_tables
@@ -62,9 +61,10 @@ def demo(
             for number, (experiment, driver) in enumerate(runs, 1)
         ]
         wedge = demo_obstacles.play(f"run {in_all} of {in_all}", drivers[-1], duration_s)
+        passed = passages(wedge[0].scenario, wedge[0].run)
         results, nonideal = played[: len(ideal)], played[len(ideal) :]
         data = [save_recording(result, out) for result in [*results, *nonideal, *wedge]]
-        data.append(_save_metrics(results + nonideal, demo_obstacles.figures(wedge), out))
+        data.append(_save_metrics(results + nonideal, demo_obstacles.figures(passed, drivers[-1]), out))
         overview, films = _save_overview(results, into)
         among_obstacles = demo_obstacles.pictures(wedge, into)
         with progress("drawing") as step:
@@ -83,10 +83,10 @@ def demo(
             "Non-ideal robot": list(chain.from_iterable(drawn[len(results) :])),
             "The fuzzy law": law,
         }
-        page = _write_page(chapters, results, nonideal, demo_obstacles.section(wedge, among_obstacles), data, into)
+        page = _write_page(chapters, results, nonideal, demo_obstacles.section(passed, among_obstacles), data, into)
         for table in (*metrics_tables(results), *metrics_tables(nonideal, NONIDEAL)):
             console.print(table)
-        demo_obstacles.show(wedge)
+        demo_obstacles.show(passed)
         pictures = [picture.file for shown in (*chapters.values(), among_obstacles) for picture in shown]
         for file in [*data, *pictures]:
             tell(f"wrote {file}")
@@ -102,14 +102,14 @@ def _play(which: str, experiment: Experiment, driver: str, duration_s: float | N
 
 def _save_overview(results: Sequence[Result], into: Gallery) -> tuple[Picture, list[Picture]]:
     """The overview, and what the camera saw in the last run of each experiment."""
-    from pilotfish.cli.pictures import by_experiment, stem_of
+    from pilotfish.cli.pictures import by_experiment, camera_views, stem_of
     from pilotfish.law_names import law_name
     from pilotfish.plots.overview import Summary, draw_overview
 
     summaries, films = [], []
     for title, by_name in by_experiment(results).items():
         shown = list(by_name.values())[-1]
-        views = _camera_views(shown)
+        views = camera_views(shown, shown.experiment.title)
         shows = (
             f"What the camera of {shown.scenario.robot().name} saw with law {law_name(shown.profile)}: every tag that "
             "was measured is outlined; above are the time, the measured distance d and bearing θ, and the status."
@@ -122,15 +122,6 @@ def _save_overview(results: Sequence[Result], into: Gallery) -> tuple[Picture, l
         "logarithmic axis, in millimetres, the bearing error and the commanded speed."
     )
     return into.save(draw_overview(summaries, into.theme), "overview", "Overview", shows), films
-
-
-def _camera_views(result: Result) -> list[CameraView]:
-    from pilotfish.harness.replay import replay_camera
-
-    robot = result.scenario.robot().name
-    every = max(1, len(result.recording) // GIF_FRAMES)
-    with progress(f"{result.experiment.title}, what the camera saw") as step:
-        return list(replay_camera(result.scenario, result.run, robot, every=every, on_progress=step))
 
 
 def _save_law(result: Result, into: Gallery) -> list[Picture]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -11,23 +11,20 @@ from rich import box
 from rich.table import Table
 
 from pilotfish import sim
-from pilotfish.among_obstacles import Passage, passages
+from pilotfish.among_obstacles import Passage
 from pilotfish.cli.console import console, progress
+from pilotfish.cli.pictures import camera_views
 from pilotfish.experiments import experiment_of, run_all_robots
-from pilotfish.harness.replay import replay_camera
 from pilotfish.number_text import millimetres, signed
 from pilotfish.plots.obstacles import draw_among_obstacles
 from pilotfish.plots.page import Section, TextTable
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from pilotfish.experiments import Result
     from pilotfish.plots.gallery import Gallery, Picture
 
 SCENARIO, TITLE = "wedge_obstacles", "Five robots in a wedge through obstacles"
 CAMERA = "robot3"  # the left end of the wedge, which passes most obstacles
-GIF_FRAMES = 60
 _NOTE = (
     "Clearance: the least distance from outline to outline in the whole run. Errors: true, mean of the last 2 s. "
     "The leader's path alone is clear; robots see by camera and by a ring of 24 sonars."
@@ -47,17 +44,15 @@ def play(which: str, law: str, duration_s: float | None) -> list[Result]:
         return run_all_robots(experiment_of(SCENARIO), law, duration_s=duration_s, on_progress=step)
 
 
-def figures(results: list[Result]) -> dict[str, dict[str, float]]:
-    """Of each robot under a name of its own; see Passage."""
-    law = results[0].profile
-    return {f"{SCENARIO}_{p.robot}_{law}": asdict(p) for p in passages(results[0].scenario, results[0].run)}
+def figures(passed: Sequence[Passage], law: str) -> dict[str, dict[str, float]]:
+    """Of each robot under a name of its own."""
+    return {f"{SCENARIO}_{passage.robot}_{law}": asdict(passage) for passage in passed}
 
 
-def table(results: list[Result]) -> TextTable:
+def table(passed: Sequence[Passage]) -> TextTable:
     """One column a robot."""
-    found = passages(results[0].scenario, results[0].run)
-    rows = [(label, [text(passage) for passage in found]) for label, text in _ROWS]
-    return TextTable(TITLE, [[passage.robot] for passage in found], rows, _NOTE)
+    rows = [(label, [text(passage) for passage in passed]) for label, text in _ROWS]
+    return TextTable(TITLE, [[passage.robot] for passage in passed], rows, _NOTE)
 
 
 def pictures(results: list[Result], into: Gallery) -> list[Picture]:
@@ -69,28 +64,26 @@ def pictures(results: list[Result], into: Gallery) -> list[Picture]:
         "Paths among the obstacles, with the robots' outlines every 4 s. Pale obstacles are lower than the line of "
         "sight; the others hide a leader that is behind them."
     )
-    every = max(1, len(run.recordings[CAMERA]) // GIF_FRAMES)
-    with progress(f"{TITLE}, what the camera saw") as step:
-        views = list(replay_camera(scenario, run, CAMERA, every=every, on_progress=step))
+    seen = next(result for result in results if result.recording.meta.robot == CAMERA)
     film = f"What the camera of {CAMERA} saw: its leader's tags are outlined; columns are the obstacles."
     return [
         into.save(above, SCENARIO, TITLE, shows),
-        into.save_gif(views, f"{SCENARIO}_camera", TITLE, film),
+        into.save_gif(camera_views(seen, TITLE), f"{SCENARIO}_camera", TITLE, film),
     ]
 
 
-def section(results: list[Result], shown: list[Picture]) -> Section:
+def section(passed: Sequence[Passage], shown: list[Picture]) -> Section:
     """Of the page."""
     text = (
         "The paper leaves more robots in an environment with obstacles as future work. Four coordinators, each with a "
         "camera and sonars of its own and nothing sent between them: two follow the leader, two follow those."
     )
-    return Section(TITLE, text, [table(results)], shown)
+    return Section(TITLE, text, [table(passed)], shown)
 
 
-def show(results: list[Result]) -> None:
+def show(passed: Sequence[Passage]) -> None:
     """The table in the terminal."""
-    shown = table(results)
+    shown = table(passed)
     rich = Table(
         title=shown.title, title_justify="left", caption=shown.note, caption_justify="left", box=box.SIMPLE_HEAD
     )
@@ -100,10 +93,3 @@ def show(results: list[Result]) -> None:
     for label, texts in shown.rows:
         rich.add_row(label, *texts)
     console.print(rich)
-
-
-def recordings(results: list[Result], out: Path) -> list[Path]:
-    """As CSV, one a robot."""
-    from pilotfish.cli.pictures import save_recording
-
-    return [save_recording(result, out) for result in results]

@@ -82,7 +82,7 @@ def identify(
 
         with byte_progress("reading") as step:
             run = read_run(log, robot, step)
-        one = _only(log, run.coordinators, list(run.channels))
+        one = _only(log, run.recorded_coordinators())
         said = settings_numbers(one.last_settings)
         if len(one.settings) > 1:
             warn(f"{one.name} was started with {len(one.settings)} configurations in this recording; the last is shown")
@@ -110,9 +110,7 @@ def identify(
             tell(f"wrote {save(draw_drive_identification(fit, f'{one.name}: the drive in {log.name}'), plot)}")
 
 
-def _only(log: Path, robots: list[RobotRun], channels: list[str]) -> RobotRun:
-    if not robots:
-        raise RecordingError(f"{log}: no frame of a coordinator in it; channels in it: {', '.join(channels)}")
+def _only(log: Path, robots: list[RobotRun]) -> RobotRun:
     if len(robots) > 1:
         raise RecordingError(f"{log}: several robots; choose with --robot: {', '.join(one.name for one in robots)}")
     return robots[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -35,7 +35,7 @@ class Place:
         return typer.main.get_group(around).commands[self.name]
 
 
-class LazyCommands(MutableMapping[str, Any]):
+class LazyCommands(Mapping[str, Any]):
     """Name -> command, in the order of the places. Looking one up builds it; going through the names builds none."""
 
     def __init__(self, places: tuple[Place, ...]) -> None:
@@ -47,19 +47,8 @@ class LazyCommands(MutableMapping[str, Any]):
             self._built[name] = self._places[name].build()
         return self._built[name]
 
-    def __contains__(self, name: object) -> bool:
-        return name in self._places or name in self._built
-
     def __iter__(self) -> Iterator[str]:
-        yield from self._places
-        yield from (name for name in self._built if name not in self._places)
+        return iter(self._places)
 
     def __len__(self) -> int:
-        return sum(1 for _ in self)
-
-    def __setitem__(self, name: str, command: Any) -> None:
-        self._built[name] = command
-
-    def __delitem__(self, name: str) -> None:
-        self._places.pop(name, None)
-        self._built.pop(name, None)
+        return len(self._places)

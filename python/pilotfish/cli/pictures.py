@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from pilotfish.camera_view import CameraView
+from pilotfish.cli.console import progress
 from pilotfish.experiments import Result
 from pilotfish.law_names import law_name
 from pilotfish.plots.comparison import draw_comparison
@@ -13,6 +15,7 @@ from pilotfish.plots.gallery import Gallery, Picture
 from pilotfish.plots.paths import draw_paths
 from pilotfish.plots.style import DARK, LIGHT
 
+GIF_FRAMES = 60
 _OVER_TIME = (
     "From above: the true distance error and when it settled; the same in millimetres near its steady state, with what "
     "the camera measured; the bearing error; the commanded speed and turn rate."
@@ -53,6 +56,16 @@ def save_comparison(results: Sequence[Result], into: Gallery) -> list[Picture]:
         return []
     runs = {title: {name: result.recording for name, result in by_name.items()} for title, by_name in grouped.items()}
     return [into.save(draw_comparison(runs, into.theme), "comparison", "The laws compared", _COMPARED)]
+
+
+def camera_views(result: Result, title: str) -> list[CameraView]:
+    """What the camera of the result's robot saw, GIF_FRAMES of its pictures."""
+    from pilotfish.harness.replay import replay_camera
+
+    every = max(1, len(result.recording) // GIF_FRAMES)
+    with progress(f"{title}, what the camera saw") as step:
+        robot = result.recording.meta.robot
+        return list(replay_camera(result.scenario, result.run, robot, every=every, on_progress=step))
 
 
 def by_experiment(results: Sequence[Result]) -> dict[str, dict[str, Result]]:

@@ -11,7 +11,7 @@ import typer
 
 from pilotfish.cli.console import byte_progress, friendly_errors, progress, tell
 from pilotfish.cli.options import between, writable_folder
-from pilotfish.errors import ConfigError, RecordingError
+from pilotfish.errors import ConfigError
 
 _LOG_SUFFIXES = (".log", ".lcmlog", ".lcm")
 _SYNC = b"\xed\xa1\xda\x01"  # a file of LCM events begins so
@@ -104,19 +104,18 @@ def _draw_log(file: Path, out: Path, robot: str | None, suffix: str, dark: bool)
 
     with byte_progress("reading") as step:
         run = read_run(file, robot, step)
-    if not run.coordinators:
-        raise RecordingError(f"{file}: no frame of a coordinator in it; channels in it: {', '.join(run.channels)}")
+    coordinators = run.recorded_coordinators()
     theme, name = DARK if dark else LIGHT, file.resolve().name if file.is_dir() else file.stem
     written: list[Path] = []
     with progress("drawing") as step:
-        for one in run.coordinators:
-            stem = name if len(run.coordinators) == 1 else f"{name}_{one.name}"
+        for one in coordinators:
+            stem = name if len(coordinators) == 1 else f"{name}_{one.name}"
             overview = draw_run_overview({one.name: one}, f"{name}: {one.name}", theme)
             written.append(save(overview, out / f"{stem}_run{suffix}"))
-            step(len(written), 2 * len(run.coordinators))
+            step(len(written), 2 * len(coordinators))
             view = draw_relative_view({one.name: one}, f"{name}: from above, relative to {one.name}", theme)
             written.append(save(view, out / f"{stem}_relative{suffix}"))
-            step(len(written), 2 * len(run.coordinators))
+            step(len(written), 2 * len(coordinators))
     return written
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, tell, warn, working
-from pilotfish.errors import RecordingError
 
 if TYPE_CHECKING:
     from pilotfish.logs import Run
@@ -64,10 +63,7 @@ def _named(recordings: list[Run]) -> list[ReportedRun]:
     from pilotfish.logs.report import ReportedRun
 
     for run in recordings:
-        if not run.coordinators:
-            raise RecordingError(
-                f"{run.path}: no frame of a coordinator in it; channels in it: {', '.join(run.channels)}"
-            )
+        run.recorded_coordinators()
     labels = _labels([run.path for run in recordings])
     chosen = []
     for label, run in zip(labels, recordings, strict=True):

@@ -75,6 +75,7 @@ def drive_chain(
     seen = np.zeros(len(names) - 1)
     latency_s = [world.latency_s(name) for name in names[1:]]
     distance_m = [robot.setpoint.distance_m for robot in scenario.robots]
+    ahead_s = latency_s[0] + configs[0].control.drive.actuator_lag_s  # of the leader's announcements
     for index in range(frames):
         time_s = index * period_s
         world.advance_to(time_s)
@@ -83,7 +84,6 @@ def drive_chain(
             twist = core.Twist(linear_mps=leader_speed(middle_s), angular_radps=0.0)
             world.command(names[0], twist, time_s + step / SUB_STEPS * period_s)
         if intents:
-            ahead_s = latency_s[0] + configs[0].control.drive.actuator_lag_s
             plan = core.Twist(linear_mps=leader_speed(time_s + ahead_s), angular_radps=0.0)
             spoken[0].send(time_s, world.utime + round(1e6 * ahead_s), plan)
         speed_mps[:, index] = [world.state(name).twist.linear_mps for name in names]

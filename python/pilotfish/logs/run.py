@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pilotfish.black_box.log import Damage
+from pilotfish.errors import RecordingError
 from pilotfish.logs.columns import TABLES, Column
 from pilotfish.logs.notes import Settings, Stage
 
@@ -85,6 +86,13 @@ class Run:
     def coordinators(self) -> list[RobotRun]:
         """The robots whose coordinators are in it."""
         return [robot for robot in self.robots.values() if len(robot.frames)]
+
+    def recorded_coordinators(self) -> list[RobotRun]:
+        """The same; RecordingError, which says what there is instead, if there are none."""
+        if not self.coordinators:
+            channels = ", ".join(self.channels)
+            raise RecordingError(f"{self.path}: no frame of a coordinator in it; channels in it: {channels}")
+        return self.coordinators
 
 
 TABLE_NAMES = tuple(TABLES)
