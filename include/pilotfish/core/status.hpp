@@ -60,7 +60,7 @@ enum class ReasonKind {
   X(ranges_not_fresh, input, "no fresh ranges, without which it does not drive")                                      \
   X(obstacle_in_path, observation, "an obstacle is in the way")                                                       \
   X(turning_to_search, observation, "turning to where the leader was last seen")                                      \
-  X(checking_another_leader, observation, "the leader is lost; another one is seen and checked before it is followed")\
+  X(checking_another_leader, observation, "another leader is seen and checked before it is followed")                 \
   X(leader_changed, observation, "another leader is followed from here on")
 // clang-format on
 

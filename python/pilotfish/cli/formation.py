@@ -67,7 +67,7 @@ def show(
       pilotfish formation show wedge
       pilotfish formation show my_formation.yaml --out my_formation.svg
     """
-    from pilotfish.cli.formation_tables import watches_table
+    from pilotfish.cli.formation_tables import otherwise_table, watches_table
     from pilotfish.formation import find_formation, load_formation
     from pilotfish.plots.formation_picture import draw_formation
     from pilotfish.plots.style import DARK, LIGHT, save
@@ -78,8 +78,9 @@ def show(
         if picture.suffix.lower() not in _SUFFIXES:
             raise typer.BadParameter(f"--out: '{picture.name}' ends in none of {', '.join(_SUFFIXES)}")
         check_writable(picture)
-        for table in watches_table(formation):
-            console.print(table)
+        for table in [*watches_table(formation), otherwise_table(formation)]:
+            if table:
+                console.print(table)
         theme = DARK if dark else LIGHT
         console.print(f"wrote {save(draw_formation(formation, theme), picture)}", soft_wrap=True)
 
@@ -149,7 +150,7 @@ def run(
       pilotfish formation run column --lcm --out out
       pilotfish formation run my_formation.yaml --law paper --duration-s 20
     """
-    from pilotfish.cli.formation_tables import forming_table, keeping_table
+    from pilotfish.cli.formation_tables import followed_table, forming_table, keeping_table
     from pilotfish.formation import find_formation, load_formation
     from pilotfish.formation.measures import forming, keeping
     from pilotfish.formation.run import play
@@ -163,6 +164,8 @@ def run(
             done = play(formation, law=law.value, transport=transport, duration_s=duration_s, on_progress=step)
         console.print(keeping_table(keeping(done), f"{formation.name}, {law.value}: each robot and its leader"))
         console.print(forming_table(forming(done), formation.tolerance_m))
+        if changes := followed_table(done):
+            console.print(changes)
         if out:
             from pilotfish.cli.pictures import gallery
             from pilotfish.plots.paths import draw_paths
