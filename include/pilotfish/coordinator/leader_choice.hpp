@@ -55,7 +55,6 @@ class LeaderChoice {
   std::int64_t changes() const { return changes_; }   ///< since the start
   /// Whether the followed one has been unseen for after_lost_s, as of the last frame.
   bool is_lost() const { return lost_; }
-  double unseen_s() const;  ///< how long the followed one had not been seen, as of the last frame
 
   /// Times begin anew with the next frame: another clock, or the robot was told to stand. The leader stays.
   void restart() noexcept;
@@ -75,7 +74,7 @@ class LeaderChoice {
   bool is_reliable(std::size_t leader) const noexcept;
   bool change_to(std::size_t leader) noexcept;
 
-  double after_lost_s_, back_after_s_, max_gap_s_;
+  double after_lost_us_, back_after_us_, max_gap_us_;
   std::uint64_t leaders_;
   std::uint64_t followed_ = 0;
   std::int64_t changes_ = 0;

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +35,8 @@ class FormationRun:
     recordings: Mapping[str, Recording]
     distance_setpoint_m: Mapping[str, FloatArray]  # (N,) each
     bearing_setpoint_rad: Mapping[str, FloatArray]  # (N,) each
-    followed: Mapping[str, Sequence[tuple[float, str]]]  # since when [s] it has followed whom
+    # Since when [s] it has followed whom.
+    followed: Mapping[str, Sequence[tuple[float, str]]] = field(default_factory=dict)
 
 
 def play(

@@ -128,8 +128,14 @@ TEST(Alternatives, BeginWithALeaderWhoseMotionIsUnknown) {
   robot.frames(24, kNobody, 1.8);
   const StepResult first = robot.frame(kNobody, 1.8);
   ASSERT_EQ(first.leader_index, 1);
-  EXPECT_EQ(first.control->feed_forward_weight, 0.0);
-  EXPECT_EQ(first.control->velocity.error_change_m, 0.0);  // ec is no difference between two leaders' distances
+  // As a robot that has just been started behind that leader.
+  CoordinatorConfig started = config();
+  started.setpoint.distance_m = 1.5;
+  const StepResult fresh = Robot(started).frame(1.8, kNobody);
+  EXPECT_EQ(first.control->feed_forward_weight, fresh.control->feed_forward_weight);
+  // But for what dead reckoning has left of its own speed; the two leaders are 0.6 m apart.
+  EXPECT_NEAR(first.control->velocity.error_change_m, 0.0, 1e-3);
+  EXPECT_EQ(first.command, fresh.command);
 }
 
 TEST(Alternatives, KeepTheSpeedWhenTheFirstLeaderTakesOver) {
