@@ -168,6 +168,7 @@ def run(
             console.print(changes)
         if out:
             from pilotfish.cli.pictures import gallery
+            from pilotfish.plots.followed import draw_followed
             from pilotfish.plots.paths import draw_paths
 
             into = gallery(out, picture_format.value, dark)
@@ -176,6 +177,9 @@ def run(
                 console.print(f"wrote {recording.to_csv(out / f'{stem}_{robot}.csv')}", soft_wrap=True)
             figure = draw_paths(list(done.recordings.values()), title, into.theme)
             console.print(f"wrote {into.save(figure, f'{stem}_paths', title, '').file}", soft_wrap=True)
+            for robot in formation.otherwise.watches:
+                figure, title = draw_followed(done, robot, into.theme), f"{formation.name}: whom {robot} follows"
+                console.print(f"wrote {into.save(figure, f'{stem}_{robot}_followed', title, '').file}", soft_wrap=True)
 
 
 @app.command()

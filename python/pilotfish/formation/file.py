@@ -122,7 +122,9 @@ def read_formation(content: Mapping[str, Any], file: Path) -> Formation:
     leaders = {robot: watch.leader for robot, watch in stages[0].watches.items()}
     otherwise = read_otherwise(keys, stages[0].places, leaders, outlook, bounds)
     if otherwise.watches and len(stages) > 1:
-        raise keys.error("otherwise", "cannot stand beside `changes`, whose setpoints are of one leader; keep one of them")
+        raise keys.error(
+            "otherwise", "cannot stand beside `changes`, whose setpoints are of one leader; keep one of them"
+        )
     formation = Formation(
         file=file,
         name=name,

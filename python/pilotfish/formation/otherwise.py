@@ -1,5 +1,5 @@
-"""Who a robot follows while it has lost its leader, and which robots drop out: the keys ``otherwise`` and ``dropouts`` of
-a formation file."""
+"""Who a robot follows while it has lost its leader, and which robots drop out: the keys ``otherwise`` and ``dropouts``
+of a formation file."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def read_otherwise(
             raise keys.error(where, f"{others!r} is not a list of 1 to {MAX_OTHERS} robots")
         for k, other in enumerate(others):
             entry = f"{where}[{k}]"
-            if other not in places:
+            if not isinstance(other, str) or other not in places:
                 raise keys.error(entry, f"'{other}' is no robot here; there are: {', '.join(places)}")
             if other in (robot, leaders[robot]) or others.count(other) > 1:
                 raise keys.error(entry, f"'{other}' is {_what(str(other), robot, leaders[robot])}")
@@ -103,4 +103,3 @@ def _followed_from(robot: str, leaders: Mapping[str, str], watches: Mapping[str,
         ahead += [name for name in nexts if name not in found]
         found |= set(nexts)
     return found
-
