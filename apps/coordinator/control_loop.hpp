@@ -23,10 +23,9 @@ struct LoopConfig {
   double frame_rate_hz = 30.0;  ///< also the rate at which the status goes out when no frame comes
   bool simulated = false;       ///< frames carry a simulated time
   bool json = false;
-  bool summary = true;        ///< a line every 2 s
-  double max_age_s = 0.1;     ///< safety.max_age_s
-  bus::ImageSize calibrated;  ///< of the camera
-  std::vector<int> leader_ids;
+  bool summary = true;                ///< a line every 2 s
+  double max_age_s = 0.1;             ///< safety.max_age_s
+  bus::ImageSize calibrated;          ///< of the camera
   double configured_latency_s = 0.0;  ///< control.drive.latency_s, to compare with the measured one
   bool publish_intent = false;        ///< on NAME_MOTION
 };

@@ -68,6 +68,12 @@ config::CoordinatorFile load(const Options& options) {
 }
 
 /// Prints what will be used, so that a log shows the settings.
+std::string described(const LeaderBody& leader) {
+  std::string text = leader.name + ": " + leader.family + " with tags";
+  for (const BodyTag& tag : leader.tags) text += " " + std::to_string(tag.id);
+  return text;
+}
+
 void log_start(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
   spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, config.control.active_law,
@@ -75,9 +81,10 @@ void log_start(const config::CoordinatorFile& file, const bus::Bus& bus) {
                config.setpoint.run ? "" : " (stop requested)");
   spdlog::info("camera {} x {} px, f = {:.1f} px{}", config.camera.width, config.camera.height, config.camera.fx,
                config.camera.has_distortion() ? ", with distortion" : "");
-  std::string ids;
-  for (const BodyTag& tag : config.leader.tags) ids += " " + std::to_string(tag.id);
-  spdlog::info("leader {}: {} with tags{}", config.leader.name, config.leader.family, ids);
+  spdlog::info("leader {}", described(config.leader));
+  for (const AlternativeLeader& other : config.other_leaders)
+    spdlog::info("after {:.1f} s without it {}, at {:.2f} m and {:.1f} deg", config.alternatives.after_lost_s,
+                 described(other.leader), other.distance_m, degrees(other.bearing_rad));
   spdlog::info("fuzzy law {}: {} rules; limits {:.2f} m/s, {:.2f} m/s2, {:.2f} rad/s", config.control.law.name,
                config.control.law.rules.size(), config.control.limits.max_linear_mps,
                config.control.limits.max_linear_acceleration_mps2, config.control.limits.max_angular_radps);
@@ -143,12 +150,6 @@ bool is_replay(const std::string& source) {
 std::string bus_url(const Options& options, bool replay) {
   if (!replay || options.live) return options.lcm_url;
   return options.lcm_url.empty() ? "memq://" : options.lcm_url;
-}
-
-std::vector<int> ids_of(const LeaderBody& leader) {
-  std::vector<int> ids;
-  for (const BodyTag& tag : leader.tags) ids.push_back(tag.id);
-  return ids;
 }
 
 /// A recording that is not whole must not be found out later.
@@ -250,7 +251,6 @@ int run(const Options& options, const config::CoordinatorFile& file, Log& log) {
                         !options.quiet && service_environment().socket.empty(),
                         file.coordinator.safety.max_age_s,
                         {file.coordinator.camera.width, file.coordinator.camera.height},
-                        ids_of(file.coordinator.leader),
                         file.coordinator.control.drive.latency_s,
                         file.publish_intent};
   supervisor.ready(source.description);

@@ -13,6 +13,12 @@ std::string listed(const std::vector<int>& ids) {
   return text;
 }
 
+std::string listed_ids(const LeaderBody& leader) {
+  std::vector<int> ids;
+  for (const BodyTag& tag : leader.tags) ids.push_back(tag.id);
+  return listed(ids);
+}
+
 }  // namespace
 
 bus::StatusReport Reporter::status(const StepResult& result, const StepTiming& timing) const {
@@ -77,7 +83,9 @@ std::string Reporter::detail(const StepResult& result) const {
     return "frame " + size(picture.width, picture.height) + ", calibration " +
            size(config_.calibrated.width, config_.calibrated.height);
   if (reason == Reason::no_tag_of_the_leader)
-    return "saw id " + listed(coordinator_.foreign_ids()) + ", the leader has " + listed(config_.leader_ids);
+    return "saw id " + listed(coordinator_.foreign_ids()) + ", the leader has " + listed_ids(coordinator_.leader());
+  if (reason == Reason::leader_changed)
+    return coordinator_.leader().name + " with tags " + listed_ids(coordinator_.leader());
   return to_text(result.refused);
 }
 

@@ -25,11 +25,15 @@ Bytes from_bytes(const py::bytes& bytes) {
 
 void bind_config(py::module_& m) {
   bind_parameters<SafetyConfig>(m, "SafetyConfig", "What must never happen, in numbers.");
+  bind_parameters<AlternativeLeader>(m, "AlternativeLeader", "Another robot that may be followed, and how.")
+      .def_readwrite("leader", &AlternativeLeader::leader, "LeaderBody: its tags");
   py::class_<CoordinatorConfig> coordinator_config(m, "CoordinatorConfig", "All settings of a coordinator.");
   coordinator_config.def(py::init<>(), "Defaults; camera and leader must be set. Coordinator() checks them.")
       .def_readwrite("camera", &CoordinatorConfig::camera, "CameraModel: size and lens of the coordinator's camera")
       .def_readwrite("mounting", &CoordinatorConfig::mounting, "CameraMounting: where it sits on the coordinator")
-      .def_readwrite("leader", &CoordinatorConfig::leader, "LeaderBody: the tags to follow");
+      .def_readwrite("leader", &CoordinatorConfig::leader, "LeaderBody: the tags to follow")
+      .def_readwrite("other_leaders", &CoordinatorConfig::other_leaders,
+                     "list of AlternativeLeader, a copy: who else may be followed, in the order of trying");
   bind_attributes(m, coordinator_config);  // vision, control, safety, setpoint
   bind_parameters<config::BlackBoxConfig>(m, "BlackBoxConfig", "Where and how much is recorded.");
   bind_parameters<config::PreviewConfig>(m, "PreviewConfig", "Small pictures for people on NAME_PREVIEW.");
@@ -124,7 +128,10 @@ PYBIND11_MODULE(coordinator, m) {
       .def_readonly("reason", &StepResult::reason, "Reason for the status")
       .def_readonly("observation", &StepResult::observation, "None unless measured in this very frame")
       .def_readonly("control", &StepResult::control, "None unless the law ran in this very frame")
-      .def_readonly("command", &StepResult::command, "Twist: what the wheels should do now");
+      .def_readonly("command", &StepResult::command, "Twist: what the wheels should do now")
+      .def_readonly("leader_index", &StepResult::leader_index,
+                    "who is followed: 0 the configured leader, 1 the first of other_leaders, ...")
+      .def_readonly("leader_changes", &StepResult::leader_changes, "how often that has changed since the start");
 
   py::class_<TelemetryField>(m, "TelemetryField", "A field of what is reported of a frame.")
       .def_readonly("name", &TelemetryField::name, "with its unit, as in a line of pilotfish-coordinator --json")
@@ -197,6 +204,20 @@ PYBIND11_MODULE(coordinator, m) {
            "step() without the vision: what was seen in the frame of that time, or None and why.", py::arg("utime"),
            py::arg("observation"), py::arg("now_us"),
            py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
+      .def("step_observations",
+           exclusive([](Coordinator& coordinator, std::int64_t utime,
+                        const std::vector<std::optional<Observation>>& observations, std::int64_t now_us,
+                        std::int64_t known_age_us) {
+             std::vector<vision::ObservationResult> seen;
+             for (const std::optional<Observation>& each : observations)
+               seen.push_back({each, each ? Reason::none : Reason::no_tag_found, {}});
+             return raising_law_exceptions([&] {
+               const py::gil_scoped_release unlocked;
+               return coordinator.step_observations(utime, seen, {now_us}, known_age_us);
+             });
+           }),
+           "step_observation() with one observation a leader, or None, in the order of their numbers.",
+           py::arg("utime"), py::arg("observations"), py::arg("now_us"), py::arg("known_age_us") = 0)
       .def("command_at", exclusive([](const Coordinator& coordinator, std::int64_t now_us, Reason reason) {
              return coordinator.command_at({now_us}, reason);
            }),
@@ -231,8 +252,14 @@ PYBIND11_MODULE(coordinator, m) {
           "(bytes, bytes): what its decisions and its vision remember, for another one of the same configuration.")
       .def_property_readonly("setpoint", exclusive([](const Coordinator& c) { return c.setpoint(); }),
                              "Setpoint that is kept")
+      .def_property_readonly("leader_index", exclusive(&Coordinator::leader_index),
+                             "who is followed: 0 the configured leader, 1 the first of other_leaders, ...")
+      .def_property_readonly("leader_changes", exclusive(&Coordinator::leader_changes),
+                             "how often that has changed since the start")
+      .def_property_readonly("leader", exclusive([](const Coordinator& c) { return c.leader(); }),
+                             "LeaderBody that is followed")
       .def_property_readonly("rejected", exclusive([](const Coordinator& c) { return c.rejected(); }),
-                             "RejectionCounters of the observer since the start");
+                             "RejectionCounters of the observers since the start");
 
   make_value(m, "CoordinatorConfig");
   make_value(m, "ConfigOverrides", {"law", "profile", "tuning"});
@@ -242,5 +269,7 @@ PYBIND11_MODULE(coordinator, m) {
   make_results<StepResult, config::CoordinatorFile>();
   add_reprs(m, {"ConfigOverrides", "ConfigText", "ConfigBundle", "CoordinatorFile", "StepResult", "HeldCommand",
                 "TelemetryField"});
-  add_repr(m, "CoordinatorConfig", {"camera", "mounting", "leader", "setpoint", "safety", "vision", "control"});
+  add_repr(
+      m, "CoordinatorConfig",
+      {"camera", "mounting", "leader", "setpoint", "safety", "vision", "control", "alternatives", "other_leaders"});
 }

@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdlib>
 #include <fstream>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "pilotfish/config/yaml_section.hpp"
 
@@ -16,11 +18,26 @@ constexpr std::array<const char*, 4> kFileKeys = {"camera.calibration", "leader"
 constexpr const char* kConfig = "config";
 constexpr const char* kTuningOption = "--tuning";
 
-/// The value of a dotted key; an undefined node if it is not there.
+constexpr const char* kAlternatives = "alternatives.leaders";
+
+/// The value of a dotted key, with [0], [1], ... for the elements of a list; an undefined node if it is not there.
 YAML::Node node_at(const YAML::Node& root, const std::string& key) {
-  const std::size_t dot = key.find('.');
-  const YAML::Node first = root[key.substr(0, dot)];
-  return dot == std::string::npos || !first.IsDefined() || !first.IsMap() ? first : node_at(first, key.substr(dot + 1));
+  const std::size_t end = key.find_first_of(".[");
+  const YAML::Node first = root[key.substr(0, end)];
+  if (end == std::string::npos || !first.IsDefined()) return first;
+  if (key[end] == '.') return first.IsMap() ? node_at(first, key.substr(end + 1)) : first;
+  const YAML::Node element = first[std::stoul(key.substr(end + 1))];
+  return element.IsMap() ? node_at(element, key.substr(key.find(']') + 2)) : element;
+}
+
+/// The keys whose values are files, of this configuration.
+std::vector<std::string> file_keys(const YAML::Node& root) {
+  std::vector<std::string> keys(kFileKeys.begin(), kFileKeys.end());
+  const YAML::Node others = node_at(root, kAlternatives);
+  if (others.IsDefined() && others.IsSequence())
+    for (std::size_t i = 0; i < others.size(); ++i)
+      keys.push_back(kAlternatives + ("[" + std::to_string(i) + "]") + ".leader");
+  return keys;
 }
 
 YAML::Node parsed(const std::string& text, const std::string& name, const std::string& key = "file") {
@@ -89,7 +106,7 @@ void apply(const ConfigOverrides& overrides, CoordinatorFile& file) { apply(over
 ConfigBundle bundle_config(const std::filesystem::path& file, const ConfigOverrides& overrides) {
   ConfigBundle bundle{{{kConfig, file.string(), read_text_file(file).text}}, overrides};
   const YAML::Node root = parsed(bundle.files.front().text, file.string());
-  for (const std::string key : kFileKeys) {
+  for (const std::string& key : file_keys(root)) {
     const YAML::Node node = node_at(root, key);
     if (!node.IsDefined() || !node.IsScalar()) continue;
     const std::filesystem::path path = file.parent_path() / node.Scalar();  // an absolute one stays as it is
@@ -120,7 +137,7 @@ CoordinatorFile load_bundle(const ConfigBundle& bundle) {
   }
   if (!root.IsMap()) throw ConfigError("file", "the recording has no configuration");
   // A file that was not recorded must not be looked for on this computer.
-  for (const std::string key : kFileKeys)
+  for (const std::string& key : file_keys(root))
     if (YAML::Node node = node_at(root, key); node.IsDefined() && node.IsScalar()) {
       bool recorded = false;
       for (const ConfigText& file : bundle.files) recorded = recorded || file.role == key;

@@ -27,6 +27,20 @@ void read_control(YamlSection root, control::FollowerConfig& config) {
   root.finish();
 }
 
+void read_alternatives(YamlSection root, CoordinatorConfig& config) {
+  root.read(config.alternatives);
+  if (root.optional("leaders"))
+    for (YamlSection& section : root.sections("leaders")) {
+      AlternativeLeader& other = config.other_leaders.emplace_back();
+      other.leader = parse_leader_body(section.file("leader"));
+      // The distance behind one robot is none behind another one, so it has no default in a file.
+      if (!section.has("distance_m")) throw section.error("distance_m", "is missing");
+      section.read(other);
+      section.finish();
+    }
+  root.finish();
+}
+
 constexpr double kMinFrameRate_hz = 1.0, kMaxFrameRate_hz = 1000.0;
 
 /// With a camera slower than measurements expire the robot stops in between: it needs a longer max_age_s, at less
@@ -112,6 +126,7 @@ CoordinatorFile parse_coordinator(const TextFile& text) {
   if (root.optional("tuning")) parse_tuning(root.file("tuning"), config.control);
   if (root.optional("control")) read_control(root.section("control"), config.control);
   root.read_section("safety", config.safety);
+  if (root.optional("alternatives")) read_alternatives(root.section("alternatives"), config);
   root.read_section("black_box", file.black_box);
   check_black_box(root, file.black_box);
   root.read_section("preview", file.preview);

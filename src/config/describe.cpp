@@ -11,6 +11,19 @@ namespace {
 constexpr const char* kRules =
     "Unknown keys are errors. An angle `x_rad` may be written `x_deg`. Paths are relative to the file.\n";
 
+/// A list, with one such table an element.
+SectionDescription alternative_leaders() {
+  SectionDescription section{"alternatives.leaders[]",
+                             "A list, in the order in which they are tried; at most " +
+                                 std::to_string(kMaxLeaders - 1) + ". Who else may be followed.",
+                             {}};
+  section.keys.push_back(
+      required_key("leader", "file: the tags that this one wears; of the first leader's family, with other ids"));
+  describe_keys(section.keys, AlternativeLeader{});
+  section.keys[1].required = true;
+  return section;
+}
+
 ConfigDescription coordinator_description() {
   CoordinatorConfig defaults;
   SectionDescription top{"", "", {}};
@@ -56,6 +69,7 @@ ConfigDescription coordinator_description() {
   ConfigDescription description = {top};
   describe_tree(description, "camera.mounting", defaults.mounting);
   describe_tree(description, "", defaults);
+  description.push_back(alternative_leaders());
   for (const control::LawDescription& law : defaults.control.laws) describe_law(description, law);
   describe_tree(description, "black_box", BlackBoxConfig{});
   describe_tree(description, "preview", PreviewConfig{});

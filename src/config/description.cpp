@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pilotfish/coordinator/leader_choice.hpp"
 #include "pilotfish/core/number.hpp"
 
 namespace pilotfish::config {
@@ -9,6 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Type = KeyDescription::Type;
+
+constexpr std::size_t kMaxListed = kMaxLeaders - 1;
 
 std::string range(const KeyDescription& key) {
   switch (key.type) {
@@ -49,14 +52,20 @@ Json schema_of(const KeyDescription& key, double scale) {
 
 Json empty_object() { return {{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}}; }
 
-/// The object that a dotted path names, made where it is not there yet.
+Json list_of(const Json& items) {
+  return {{"type", "array"}, {"items", items}, {"minItems", 0}, {"maxItems", kMaxListed}};
+}
+
+/// The object that a dotted path names, made where it is not there yet; after "name[]", one element of that list.
 Json& object_at(Json& root, const std::string& path) {
   Json* object = &root;
   std::istringstream parts(path);
   for (std::string part; std::getline(parts, part, '.');) {
     Json& properties = (*object)["properties"];
-    if (!properties.contains(part)) properties[part] = empty_object();
-    object = &properties[part];
+    const bool list = part.size() > 2 && part.compare(part.size() - 2, 2, "[]") == 0;
+    if (list) part.resize(part.size() - 2);
+    if (!properties.contains(part)) properties[part] = list ? list_of(empty_object()) : empty_object();
+    object = list ? &properties[part]["items"] : &properties[part];
   }
   return *object;
 }

@@ -373,15 +373,19 @@ void Follower::restart_on_new_clock() noexcept {
   forget_leader();
 }
 
-void Follower::forget_leader() noexcept {
+void Follower::change_leader() noexcept {
   identifier_.interrupt();
   leader_.reset();
   intent_.reset();
   if (other_law_) other_law_->restart();
   avoidance_.restart();
+  last_error_m_.reset();
+}
+
+void Follower::forget_leader() noexcept {
+  change_leader();
   searched_utime_.reset();
   last_utime_.reset();
-  last_error_m_.reset();
   last_command_ = Twist{};
   paused_ = false;
 }

@@ -2,76 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
+#include "configured.hpp"
 #include "pilotfish/core/angles.hpp"
 #include "pilotfish/core/utime.hpp"
-#include "pilotfish/vision/nearest_visible.hpp"
 
 namespace pilotfish {
 namespace {
 
-/// Bearings of the left and the right edge of the picture, at half its height. The camera's place on the robot does not
-/// matter at the distances at which a leader is followed.
-control::FieldOfView field_of_view(const CameraModel& camera, const CameraMounting& mounting) {
-  const auto bearing = [&](double u) {
-    const Eigen::Vector2d xy = normalize_pixel(camera, {u, (camera.height - 1) / 2.0});
-    const Eigen::Vector3d ray = base_from_camera(mounting).linear() * Eigen::Vector3d(xy.x(), xy.y(), 1.0);
-    return std::atan2(ray.y(), ray.x());
-  };
-  // An edge lies less than half a turn from the middle; a camera that is mounted upside down has them exchanged.
-  const double middle = bearing(camera.cx);
-  const auto edge = [&](double u) {
-    const double bearing_rad = bearing(u), from_middle = bearing_rad - middle;
-    return std::abs(from_middle) <= kPi ? bearing_rad : bearing_rad - std::copysign(2.0 * kPi, from_middle);
-  };
-  const auto [right_rad, left_rad] = std::minmax({edge(camera.width - 0.5), edge(-0.5)});
-  return {right_rad, left_rad};
-}
-
-/// With a camera whose view contains none of the allowed bearings the robot could never drive.
-void check_view(const control::FieldOfView& view) {
-  if (view.left_rad > -kMaxBearing_rad && view.right_rad < kMaxBearing_rad) return;
-  std::ostringstream problem;
-  problem << "the camera sees bearings from " << degrees(view.right_rad) << " to " << degrees(view.left_rad)
-          << " deg only; a leader is followed at -" << degrees(kMaxBearing_rad) << " to " << degrees(kMaxBearing_rad)
-          << " deg, ahead of the robot";
-  throw ConfigError("camera.mounting.pan_deg", problem.str());
-}
-
-control::FollowerConfig with_view(const CoordinatorConfig& config) {
-  control::FollowerConfig control = config.control;
-  control.view = field_of_view(config.camera, config.mounting);
-  check_view(control.view);
-  control.hold_s = config.safety.max_age_s;
-  return control;
-}
-
-void check_blind_travel(const CoordinatorConfig& config) {
-  const double max_age_s = config.safety.max_age_s;
-  const double top_mps = std::max(config.control.limits.max_linear_mps, config.control.limits.max_reverse_mps);
-  if (max_age_s <= kOrdinaryMaxAge_s || max_age_s * top_mps <= kMaxBlindTravel_m * (1.0 + 1e-9)) return;
-  std::ostringstream problem;
-  problem << max_age_s << " s at " << top_mps << " m/s is " << max_age_s * top_mps << " m of blind travel, more than "
-          << kMaxBlindTravel_m << " m; lower control.limits.max_linear_mps and max_reverse_mps to "
-          << kMaxBlindTravel_m / max_age_s << ", or max_age_s to " << kOrdinaryMaxAge_s;
-  throw ConfigError("safety.max_age_s", problem.str());
-}
-
-/// The leader must still be visible at the guard distance: otherwise the robot stops, without sight of it, before
-/// the guard acts, or is hit.
-void check_guard(const CoordinatorConfig& config, const vision::TagTracker& tracker) {
-  const double guard_m = config.control.guard.minimum_distance_m;
-  const double nearest_m = vision::nearest_visible_distance_m(tracker, config.mounting);
-  if (nearest_m <= guard_m) return;
-  std::ostringstream problem;
-  problem << guard_m << " m is nearer than " << nearest_m
-          << " m, the nearest distance at which this camera, where it is "
-          << "mounted, can see a tag of this leader; allowed: " << nearest_m
-          << " to 20 m, or mount the camera and the tags "
-          << "farther apart or at more nearly the same height";
-  throw ConfigError("control.guard.minimum_distance_m", problem.str());
-}
+// While an alternative is followed, the whole picture is searched for the first leader so often, until it is found.
+constexpr double kLookAgain_s = 0.5;
 
 constexpr double kRangesFromFrame_us = 0.5e6;  // a scan that is farther from the last frame is of another clock
 
@@ -86,19 +26,16 @@ Coordinator::Coordinator(const CoordinatorConfig& config)
       stop_distance_m_(config.safety.stop_distance_m),
       noiseless_camera_(config.safety.noiseless_camera),
       timeline_(max_age_us_),
-      observer_(config.camera, config.mounting, config.leader, config.vision),
+      observers_(observers_of(config)),
       follower_(with_view(config)),
-      setpoint_(config.setpoint) {
-  check_ranges(config.safety, "safety");
-  check_ranges(config.setpoint, "setpoint");
-  check_blind_travel(config);
-  check_guard(config, observer_.tracker());
-  if (is_too_near(config.setpoint, stop_distance_m_)) {
-    std::ostringstream problem;
-    problem << config.setpoint.distance_m << " is below safety.stop_distance_m (" << stop_distance_m_ << ")";
-    throw ConfigError("setpoint.distance_m", problem.str());
-  }
-  held_.run = setpoint_.run;
+      setpoints_(setpoints_of(config)),
+      choice_(config.alternatives, observers_.size(), config.safety.max_age_s),
+      goes_back_(config.alternatives.back_after_s > 0.0),
+      nearest_m_(std::max(config.control.guard.minimum_distance_m, config.safety.stop_distance_m)),
+      farthest_m_(config.vision.acquisition_range_m),
+      seen_(observers_.size()) {
+  check(config, observers_);
+  held_.run = config.setpoint.run;
   needs_ranges_ = config.control.avoidance.enabled;
   max_ranges_age_us_ = static_cast<std::int64_t>(config.control.avoidance.max_age_s * 1e6);
 }
@@ -116,38 +53,110 @@ StampVerdict Coordinator::classify(std::int64_t utime, std::int64_t known_age_us
 StepResult Coordinator::step(const Frame& frame, MonotonicTime now) noexcept {
   const StampVerdict verdict = classify(frame.utime, frame.known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(frame.utime, verdict.reason);
-  return step_latest(frame.utime, observe(frame), verdict.age_us);
+  observe(frame);
+  return step_latest(frame.utime, verdict.age_us);
+}
+
+void Coordinator::clear_seen() noexcept {
+  for (vision::ObservationResult& seen : seen_) seen = {std::nullopt, Reason::no_tag_found, {}};
 }
 
 /// A picture that was shown before is no new measurement: it must not lengthen the life of the last one, whatever its
 /// stamp.
-vision::ObservationResult Coordinator::observe(const Frame& frame) noexcept {
+void Coordinator::observe(const Frame& frame) noexcept {
+  clear_seen();
+  vision::ObservationResult& seen = seen_[leader_index()];
   if (!noiseless_camera_ && check(frame.image) == Reason::none) {
     switch (frozen_.compare(frame.image)) {
       case Repetition::none: break;
-      case Repetition::probable: return {std::nullopt, Reason::picture_repeated, {}};
-      case Repetition::certain: return {std::nullopt, Reason::camera_frozen, {}};
+      case Repetition::probable: seen.reason = Reason::picture_repeated; return;
+      case Repetition::certain: seen.reason = Reason::camera_frozen; return;
     }
   }
-  return observer_.observe(frame);
+  seen = observers_[leader_index()].observe(frame);
+  if (observers_.size() > 1 && setpoint().run && held_.ever_measured) look_for_others(frame);
+}
+
+/// While the followed leader is in view nobody else is looked for, but for the first one, to return to it.
+void Coordinator::look_for_others(const Frame& frame) noexcept {
+  static const vision::Detections kNothing;
+  const std::size_t followed = leader_index();
+  if (!seen_[followed].observation) {
+    const vision::Detections* found = observers_[followed].searched();
+    if (found == nullptr) return;  // the picture is of no use
+    for (std::size_t i = 0; i < observers_.size(); ++i)
+      if (i != followed) seen_[i] = observers_[i].observe_detected(frame, *found);
+  } else if (followed != 0 && goes_back_) {
+    if (observers_.front().tracks_at(frame.utime)) {
+      seen_.front() = observers_.front().observe_detected(frame, kNothing);
+    } else if (!looked_utime_ || seconds_between(*looked_utime_, frame.utime) >= kLookAgain_s) {
+      looked_utime_ = frame.utime;
+      seen_.front() = observers_.front().observe(frame);
+    }
+  }
+}
+
+bool Coordinator::can_follow(const vision::ObservationResult& seen) const noexcept {
+  return seen.observation && seen.observation->distance_m >= nearest_m_ &&
+         seen.observation->distance_m <= farthest_m_ && std::abs(seen.observation->bearing_rad) <= kMaxBearing_rad;
+}
+
+bool Coordinator::another_is_seen() const noexcept {
+  for (std::size_t i = 0; i < seen_.size(); ++i)
+    if (i != leader_index() && can_follow(seen_[i])) return true;
+  return false;
+}
+
+bool Coordinator::change_leader(std::int64_t utime) noexcept {
+  if (observers_.size() == 1) return false;
+  if (!held_.ever_measured && !seen_[leader_index()].observation) return false;  // nobody has been lost yet
+  LeadersSeen seen{};
+  for (std::size_t i = 0; i < seen_.size(); ++i)
+    seen[i] = i == leader_index() ? seen_[i].observation.has_value() : can_follow(seen_[i]);
+  if (!choice_.update(utime, seen)) return false;
+  looked_utime_.reset();
+  follower_.change_leader();
+  return true;
 }
 
 StepResult Coordinator::step_observation(std::int64_t utime, const vision::ObservationResult& seen, MonotonicTime now,
                                          std::int64_t known_age_us) noexcept {
   const StampVerdict verdict = classify(utime, known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
-  return step_latest(utime, seen, verdict.age_us);
+  clear_seen();
+  seen_[leader_index()] = seen;
+  return step_latest(utime, verdict.age_us);
 }
 
-StepResult Coordinator::step_latest(std::int64_t utime, const vision::ObservationResult& seen,
-                                    std::int64_t age_us) noexcept {
-  if (!setpoint_.run) {
+StepResult Coordinator::step_observations(std::int64_t utime, const std::vector<vision::ObservationResult>& seen,
+                                          MonotonicTime now, std::int64_t known_age_us) noexcept {
+  const StampVerdict verdict = classify(utime, known_age_us, now);
+  if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
+  clear_seen();
+  std::copy_n(seen.begin(), std::min(seen.size(), seen_.size()), seen_.begin());
+  return step_latest(utime, verdict.age_us);
+}
+
+StepResult Coordinator::with_leader(StepResult result) const noexcept {
+  result.leader_index = static_cast<std::int64_t>(leader_index());
+  result.leader_changes = leader_changes();
+  return result;
+}
+
+StepResult Coordinator::step_latest(std::int64_t utime, std::int64_t age_us) noexcept {
+  if (!setpoint().run) {
     rest(utime);
-    return {utime, Status::stopped, Reason::stop_requested, seen.observation, std::nullopt, Twist{}, {}};
+    choice_.restart();
+    return with_leader(
+        {utime, Status::stopped, Reason::stop_requested, seen_[leader_index()].observation, std::nullopt, Twist{}, {}});
   }
+  const bool changed = change_leader(utime);
+  const vision::ObservationResult& seen = seen_[leader_index()];
   if (!seen.observation) {
     if (seen.reason == Reason::camera_frozen) rest(utime);  // the last measurement may be as old as the picture
     if (const std::optional<StepResult> turn = search(utime, age_us, seen.reason)) return *turn;
+    if (choice_.is_lost() && !is_invalid(seen.reason) && another_is_seen())
+      return not_measured(utime, Reason::checking_another_leader);
     StepResult result = not_measured(utime, seen.reason);
     result.refused = seen.refused;
     return result;
@@ -159,7 +168,7 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
     return result;
   }
 
-  const control::FollowerOutput control = follower_.follow(*seen.observation, setpoint_);
+  const control::FollowerOutput control = follower_.follow(*seen.observation, setpoint());
   if (control.reason != Reason::none) {
     rest(utime);
     StepResult result = not_measured(utime, control.reason);
@@ -171,13 +180,15 @@ StepResult Coordinator::step_latest(std::int64_t utime, const vision::Observatio
   hold(control.command, age_us, false);
   const bool blocked = control.avoidance && ((control.avoidance->limited && control.command.linear_mps == 0.0) ||
                                              control.avoidance->backing_off);
-  return {utime,
-          Status::tracking,
-          blocked ? Reason::obstacle_in_path : Reason::none,
-          seen.observation,
-          control,
-          control.command,
-          {}};
+  return with_leader({utime,
+                      Status::tracking,
+                      changed   ? Reason::leader_changed
+                      : blocked ? Reason::obstacle_in_path
+                                : Reason::none,
+                      seen.observation,
+                      control,
+                      control.command,
+                      {}});
 }
 
 void Coordinator::hold(const Twist& command, std::int64_t age_us, bool turning) noexcept {
@@ -206,7 +217,7 @@ std::optional<StepResult> Coordinator::search(std::int64_t utime, std::int64_t a
   }
   const Twist turn{0.0, search.angular_radps};
   hold(turn, age_us, true);
-  return StepResult{utime, Status::lost, search.reason, std::nullopt, std::nullopt, turn, {}};
+  return with_leader({utime, Status::lost, search.reason, std::nullopt, std::nullopt, turn, {}});
 }
 
 bool Coordinator::set_ranges(const RangeScan& scan, MonotonicTime now) noexcept {
@@ -219,7 +230,7 @@ bool Coordinator::set_ranges(const RangeScan& scan, MonotonicTime now) noexcept 
 
 StepResult Coordinator::command_at(MonotonicTime now, Reason reason) const noexcept {
   const HeldAnswer answer = held_.at(now, reason);
-  return {held_.utime, answer.status, answer.reason, std::nullopt, std::nullopt, answer.command, {}};
+  return with_leader({held_.utime, answer.status, answer.reason, std::nullopt, std::nullopt, answer.command, {}});
 }
 
 StepResult Coordinator::not_measured(std::int64_t utime, Reason reason) const noexcept {
@@ -250,7 +261,9 @@ void Coordinator::begin_epoch() noexcept {
   held_.holding = held_.turning = false;
   ranges_at_.reset();
   held_.command = Twist{};
-  observer_.forget();
+  for (vision::LeaderObserver& observer : observers_) observer.forget();
+  choice_.restart();
+  looked_utime_.reset();
   follower_.restart_on_new_clock();
 }
 
@@ -262,21 +275,24 @@ bool Coordinator::set_setpoint(const Setpoint& setpoint) noexcept {
     usable = false;
   }
   if (!usable && setpoint.run) return false;
-  if (usable) setpoint_ = setpoint;
-  setpoint_.run = held_.run = setpoint.run;
+  if (usable) setpoints_[leader_index()] = setpoint;
+  for (Setpoint& each : setpoints_) each.run = setpoint.run;
+  held_.run = setpoint.run;
   if (!setpoint.run) rest(held_.utime);
   return true;
 }
 
 template <class Self, class Archive>
 void Coordinator::remember_decisions(Self& self, Archive& archive) {
-  archive(self.timeline_, self.follower_, self.setpoint_.distance_m, self.setpoint_.bearing_rad, self.setpoint_.run,
-          self.now_, self.measured_utime_, self.held_, self.ranges_at_);
+  archive(self.timeline_, self.follower_, self.choice_, self.looked_utime_, self.now_, self.measured_utime_, self.held_,
+          self.ranges_at_);
+  for (auto& setpoint : self.setpoints_) archive(setpoint.distance_m, setpoint.bearing_rad, setpoint.run);
 }
 
 template <class Self, class Archive>
 void Coordinator::remember_vision(Self& self, Archive& archive) {
-  archive(self.frozen_, self.observer_);
+  archive(self.frozen_);
+  for (auto& observer : self.observers_) archive(observer);
 }
 
 CoordinatorMemory Coordinator::memory() const {
@@ -300,6 +316,22 @@ bool Coordinator::set_memory(const CoordinatorMemory& memory) {
   return false;
 }
 
+vision::RejectionCounters Coordinator::rejected() const noexcept {
+  vision::RejectionCounters sum;
+  for (const vision::LeaderObserver& observer : observers_) sum = sum_of(sum, observer.rejected());
+  return sum;
+}
+
+std::int64_t Coordinator::whole_picture_searches() const noexcept {
+  std::int64_t sum = 0;
+  for (const vision::LeaderObserver& observer : observers_) sum += observer.whole_picture_searches();
+  return sum;
+}
+
+void Coordinator::time_stages(vision::StageStopwatch::Clock clock) noexcept {
+  for (vision::LeaderObserver& observer : observers_) observer.time_stages(clock);
+}
+
 bool Coordinator::is_near_last_frame(std::int64_t utime) const noexcept {
   const std::optional<std::int64_t> last = timeline_.last_utime();
   return last && std::abs(seconds_between(*last, utime)) <= kOtherClock_s;
@@ -310,7 +342,7 @@ bool Coordinator::set_ego_motion(std::int64_t utime, const Twist& twist) noexcep
 }
 
 bool Coordinator::set_leader_intent(std::int64_t utime, const Twist& twist) noexcept {
-  return is_near_last_frame(utime) && follower_.set_leader_intent(utime, twist);
+  return leader_index() == 0 && is_near_last_frame(utime) && follower_.set_leader_intent(utime, twist);
 }
 
 }  // namespace pilotfish

@@ -89,6 +89,7 @@ ObservationResult LeaderObserver::observe_or_refuse(const Frame& frame, const De
 
 ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detections* found) {
   const ImageView& image = frame.image;
+  searched_.reset();
   const Reason defect = why_unusable(image);
   if (defect != Reason::none) {
     ++rejected_.frames_invalid;
@@ -112,8 +113,8 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
     detected = track_detections(image, *found, Eigen::Vector2d::Zero(), FoundBy::frame);
   } else {
     ++whole_picture_searches_;
-    detected =
-        track_detections(image, search_whole(image, frame.coarse_search), Eigen::Vector2d::Zero(), FoundBy::frame);
+    searched_ = search_whole(image, frame.coarse_search);
+    detected = track_detections(image, *searched_, Eigen::Vector2d::Zero(), FoundBy::frame);
   }
   detected.rejected = larger_of_each(detected.rejected, tracked.rejected);
   // A tag tracked up to the edge of the picture is too near to it for the detector: the first reason is the more

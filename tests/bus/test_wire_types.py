@@ -27,7 +27,7 @@ FINGERPRINTS = {
     types.observation_t: "a8773267d35ca428",
     types.setpoint_t: "3f6bae990fba7acc",
     types.stage_t: "1deddd80d1432c03",
-    types.status_t: "7fb0ade2c8d6ce24",
+    types.status_t: "7dd0ac6945feed05",
     types.tag_detection_t: "ef8d50b69ab4b284",
     # The black box's.
     types.box_file_t: "4e4221d2ef4c9661",

@@ -17,6 +17,7 @@ TYPES = {"number": (int, float), "integer": int, "boolean": bool, "string": str,
 KNOWN = {"type", "description", "default", "minimum", "maximum", "enum", "items", "minItems", "maxItems"} | {
     "properties", "additionalProperties", "required", "$schema", "title"
 }  # fmt: skip
+OTHER_LEADER = {"leader": str(data.path("leaders/three_faces_second.yaml")), "distance_m": 1.0}  # of a list
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +60,9 @@ def faults(value, schema, path=""):
 def ranges(schema, path=()):
     """(keys, schema of the number, whether it is one of three) of every number."""
     for key, part in schema.get("properties", {}).items():
-        if part["type"] == "array":
+        if part["type"] == "array" and part["items"]["type"] == "object":
+            yield from ranges(part["items"], (*path, f"{key}[0]"))
+        elif part["type"] == "array":
             yield (*path, key), part["items"], True
         elif "minimum" in part:
             yield (*path, key), part, False
@@ -72,7 +75,9 @@ def changed(config, keys, value):
     copy = json.loads(json.dumps(config))
     section = copy
     for key in keys[:-1]:
-        section = section.setdefault(key, {})
+        section = (
+            section.setdefault(key[:-3], [dict(OTHER_LEADER)])[0] if key[-3:] == "[0]" else section.setdefault(key, {})
+        )
     for unit, other in (("_rad", "_deg"), ("_deg", "_rad")):
         if keys[-1].endswith(unit):
             section.pop(keys[-1].removesuffix(unit) + other, None)
@@ -93,6 +98,8 @@ def test_the_shipped_configurations_are_valid_by_the_schema(schemas, file):
         (("control", "limits", "wings"), 2, "control.limits.wings: unknown"),
         (("control", "limits"), 2, "control.limits: 2 is no object"),
         (("setpoint", "run"), 1, "setpoint.run: 1 is no boolean"),
+        (("alternatives", "leaders[0]", "distance_m"), 21.0, "alternatives.leaders.distance_m: 21.0 is outside"),
+        (("alternatives", "leaders[0]", "wings"), 2, "alternatives.leaders.wings: unknown"),
         (("profile",), "fast", "profile: fast is none of ['paper', 'anticipate']"),
         (("camera", "mounting", "position_m"), [0.0, 0.0], "camera.mounting.position_m: 2 items"),
     ],

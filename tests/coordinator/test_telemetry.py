@@ -89,7 +89,7 @@ def test_of_a_step_that_saw_nothing_there_is_what_always_is_and_none():
     said = step_values(Coordinator(CONFIG).step_observation(7, None, 7))
     assert (said["status"], said["reason"]) == ("searching", Reason.no_tag_found.text)
     always = {"utime", "status", "reason", "detected", "tag_ids", "decision_margins", "corners_px"}
-    always |= {"linear_mps", "angular_radps", "latency_from_exposure"}
+    always |= {"linear_mps", "angular_radps", "latency_from_exposure", "leader_index", "leader_changes"}
     assert {name for name, value in said.items() if value is not None} == always
     report = FrameReport.from_step(Coordinator(CONFIG).step_observation(7, None, 7))
     assert (report.distance_m, report.tag_ids, report.corners_px.shape) == (None, (), (0, 4, 2))

@@ -157,6 +157,9 @@ class Follower {
   void restart(std::int64_t since_utime);
   /// The same where the next observation's time is unrelated to those before: dead reckoning is reset, too.
   void restart_on_new_clock() noexcept;
+  /// The observations that follow are of another leader, whose motion is unknown: ec = 0, and the leader's estimate
+  /// begins anew. Dead reckoning goes on, and the limits still count from the last command.
+  void change_leader() noexcept;
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp

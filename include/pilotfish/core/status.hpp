@@ -59,7 +59,9 @@ enum class ReasonKind {
   X(picture_repeated, observation, "the same picture as one before: nothing new is seen")                             \
   X(ranges_not_fresh, input, "no fresh ranges, without which it does not drive")                                      \
   X(obstacle_in_path, observation, "an obstacle is in the way")                                                       \
-  X(turning_to_search, observation, "turning to where the leader was last seen")
+  X(turning_to_search, observation, "turning to where the leader was last seen")                                      \
+  X(checking_another_leader, observation, "another leader is seen and checked before it is followed")                 \
+  X(leader_changed, observation, "another leader is followed from here on")
 // clang-format on
 
 /// Why. One reason belongs to each status report; the text is what is logged and published.

@@ -72,5 +72,9 @@
     "standard deviation of its identification")                                                                       \
   LOOP(double, configured_latency_s, "s", config.configured_latency_s, "what control.drive.latency_s says")           \
   LOOP(std::int64_t, missed_deadlines, "", sender.missed_deadlines, "commands that left later than they were due")    \
-  LOOP(std::int64_t, clock_epochs, "", coordinator.clock_epochs(), "how often the clock of the images was set")
+  LOOP(std::int64_t, clock_epochs, "", coordinator.clock_epochs(), "how often the clock of the images was set")        \
+  FRAME(std::int64_t, leader_index, "", step, step->leader_index,                                                     \
+    "who is followed: 0 the configured leader, 1 the first of alternatives.leaders, ...")                             \
+  FRAME(std::int64_t, leader_changes, "", step, step->leader_changes,                                                 \
+    "how often that has changed since the start")
 // clang-format on

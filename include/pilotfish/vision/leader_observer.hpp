@@ -75,6 +75,12 @@ class LeaderObserver {
   /// in this very frame [px of it], replaces the search of the whole picture; empty if there was no search.
   ObservationResult observe_detected(const Frame& frame, const Detections& found) noexcept;
 
+  /// What the search of the whole picture found in the last frame, tags of other bodies as well; nullptr if it was not
+  /// searched. For observe_detected() of others.
+  const Detections* searched() const { return searched_ ? &*searched_ : nullptr; }
+  /// Whether a leader at `utime` would be looked for at its prediction, without a search.
+  bool tracks_at(std::int64_t utime) const noexcept { return track_.predict(utime).has_value(); }
+
   /// The next frame is treated as the first. The counters stay.
   void forget() noexcept;
 
@@ -130,6 +136,7 @@ class LeaderObserver {
   RejectionCounters rejected_;
   std::int64_t whole_picture_searches_ = 0;
   std::vector<int> foreign_ids_;
+  std::optional<Detections> searched_;  ///< of the last frame
   StageStopwatch stopwatch_;
 };
 

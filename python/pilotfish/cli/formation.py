@@ -60,7 +60,7 @@ def show(
       pilotfish formation show wedge
       pilotfish formation show my_formation.yaml --out my_formation.svg
     """
-    from pilotfish.cli.formation_tables import watches_table
+    from pilotfish.cli.formation_tables import otherwise_table, watches_table
     from pilotfish.formation import find_formation, load_formation
     from pilotfish.plots.formation_picture import draw_formation
     from pilotfish.plots.style import DARK, LIGHT, save
@@ -71,8 +71,9 @@ def show(
         if picture.suffix.lower() not in _SUFFIXES:
             raise typer.BadParameter(f"--out: '{picture.name}' ends in none of {', '.join(_SUFFIXES)}")
         check_writable(picture)
-        for table in watches_table(formation):
-            console.print(table)
+        for table in [*watches_table(formation), otherwise_table(formation)]:
+            if table:
+                console.print(table)
         theme = DARK if dark else LIGHT
         console.print(f"wrote {save(draw_formation(formation, theme), picture)}", soft_wrap=True)
 
@@ -142,7 +143,7 @@ def run(
       pilotfish formation run column --lcm --out out
       pilotfish formation run my_formation.yaml --law paper --duration-s 20
     """
-    from pilotfish.cli.formation_tables import forming_table, keeping_table
+    from pilotfish.cli.formation_tables import followed_table, forming_table, keeping_table
     from pilotfish.formation import find_formation, load_formation
     from pilotfish.formation.measures import forming, keeping
     from pilotfish.formation.run import play
@@ -156,8 +157,11 @@ def run(
             done = play(formation, law=law.value, transport=transport, duration_s=duration_s, on_progress=step)
         console.print(keeping_table(keeping(done), f"{formation.name}, {law.value}: each robot and its leader"))
         console.print(forming_table(forming(done), formation.tolerance_m))
+        if changes := followed_table(done):
+            console.print(changes)
         if out:
             from pilotfish.cli.pictures import gallery
+            from pilotfish.plots.followed import draw_followed
             from pilotfish.plots.paths import draw_paths
 
             into = gallery(out, picture_format.value, dark)
@@ -166,6 +170,9 @@ def run(
                 console.print(f"wrote {recording.to_csv(out / f'{stem}_{robot}.csv')}", soft_wrap=True)
             figure = draw_paths(list(done.recordings.values()), title, into.theme)
             console.print(f"wrote {into.save(figure, f'{stem}_paths', title, '').file}", soft_wrap=True)
+            for robot in formation.otherwise.watches:
+                figure, title = draw_followed(done, robot, into.theme), f"{formation.name}: whom {robot} follows"
+                console.print(f"wrote {into.save(figure, f'{stem}_{robot}_followed', title, '').file}", soft_wrap=True)
 
 
 @app.command()

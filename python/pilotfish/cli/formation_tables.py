@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -13,6 +14,7 @@ from pilotfish.formation.expand import tag_offsets
 from pilotfish.formation.file import Formation
 from pilotfish.formation.gaps import GOAL_M, GOAL_RAD, Gaps
 from pilotfish.formation.measures import Forming, Keeping
+from pilotfish.formation.run import FormationRun
 from pilotfish.formation.stability import Stability, Trial
 from pilotfish.law_names import law_name
 from pilotfish.number_text import signed
@@ -60,6 +62,39 @@ def keeping_table(results: Sequence[Keeping], title: str) -> Table:
             f"{1000.0 * k.place_error_m:.0f}",
             f"{100.0 * k.seen_ratio:.0f}",
         )
+    return table
+
+
+def followed_table(run: FormationRun) -> Table | None:
+    """One row a change of leader; None if there was none."""
+    changes = [
+        (at_s, robot, before, leader)
+        for robot, since in run.followed.items()
+        for (_, before), (at_s, leader) in itertools.pairwise(since)
+    ]
+    if not changes:
+        return None
+    table = _table("Who took another leader")
+    for column in ("at s", "robot", "from", "to"):
+        table.add_column(column, justify="right" if column == "at s" else "left")
+    for at_s, robot, before, leader in sorted(changes):
+        table.add_row(f"{at_s:.2f}", robot, before, leader)
+    return table
+
+
+def otherwise_table(formation: Formation) -> Table | None:
+    """One row for each robot that is followed while another one is lost; None if there is none."""
+    otherwise = formation.otherwise
+    if not otherwise.watches:
+        return None
+    back = f", back after {otherwise.back_after_s:g} s" if otherwise.back_after_s else ""
+    table = _table(f"while the leader is lost: after {otherwise.after_lost_s:g} s{back}")
+    for column in ("robot", "watches", "d_p m", "theta_pd °"):
+        table.add_column(column, justify="left" if column in ("robot", "watches") else "right")
+    for robot, watches in otherwise.watches.items():
+        for watch in watches:
+            kept = f"{watch.distance_m:.3f}", signed(math.degrees(watch.bearing_rad), 1)
+            table.add_row(robot, watch.leader, *kept)
     return table
 
 

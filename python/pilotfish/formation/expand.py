@@ -103,8 +103,15 @@ def _own_config(formation: Formation) -> dict[str, Any]:
 
 
 def _config(formation: Formation, own: Mapping[str, Any], robot: str, watch: Watch) -> dict[str, Any]:
-    config = {**own, "name": robot, "source": "lcm", "leader": f"{watch.leader}_tags.yaml"}
+    kept = {key: value for key, value in own.items() if key != "alternatives"}  # of another formation's robots
+    config = {**kept, "name": robot, "source": "lcm", "leader": f"{watch.leader}_tags.yaml"}
     config["setpoint"] = _setpoint(watch)
+    if others := formation.otherwise.watches.get(robot):
+        config["alternatives"] = {
+            "after_lost_s": formation.otherwise.after_lost_s,
+            "back_after_s": formation.otherwise.back_after_s,
+            "leaders": [{"leader": f"{other.leader}_tags.yaml", **_setpoint(other)} for other in others],
+        }
     if formation.headway_s:
         control = dict(config.get("control") or {})
         control["spacing"] = {**control.get("spacing", {}), "headway_s": formation.headway_s}
@@ -147,6 +154,9 @@ def _scenario(formation: Formation, files: str, calibration: str, mounting: Mapp
             if formation.hardware:
                 entry["hardware"] = str(formation.hardware)
         entry["body"] = {"leader": f"{files}/{robot}_tags.yaml", **_BOX}
+        for dropout in formation.dropouts:
+            if dropout.robot == robot:
+                entry["body"] |= {"hidden_from_s": dropout.at_s, "hidden_until_s": dropout.until_s}
         robots.append(entry)
     return {
         "name": formation.name,

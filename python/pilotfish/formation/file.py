@@ -14,6 +14,7 @@ from pilotfish.coordinator import CoordinatorConfig, load_coordinator
 from pilotfish.errors import ConfigError, MissingFileError
 from pilotfish.formation import shapes
 from pilotfish.formation.keys import Keys, config_error, read_mapping
+from pilotfish.formation.otherwise import Dropout, Otherwise, read_dropouts, read_otherwise
 from pilotfish.formation.shapes import Branch, Place, Shape
 from pilotfish.formation.sight import Outlook
 from pilotfish.formation.watching import Bounds, Watch, choose, refusal, watch_of
@@ -57,6 +58,8 @@ class Formation:
     headway_s: float
     coordinator_file: Path
     outlook: Outlook
+    otherwise: Otherwise
+    dropouts: tuple[Dropout, ...]
 
     @property
     def robots(self) -> tuple[str, ...]:
@@ -115,11 +118,18 @@ def read_formation(content: Mapping[str, Any], file: Path) -> Formation:
     outlook = Outlook(Viewer(config.camera, config.mounting, config.vision), config.leader, BOX_M[:2])
     bounds = _bounds(config, outlook)
     timed = [(0.0, 0.0, first, ""), *_read_changes(keys, first, count, duration_s)]
+    stages = _stages(timed, count, outlook, bounds, file)
+    leaders = {robot: watch.leader for robot, watch in stages[0].watches.items()}
+    otherwise = read_otherwise(keys, stages[0].places, leaders, outlook, bounds)
+    if otherwise.watches and len(stages) > 1:
+        raise keys.error(
+            "otherwise", "cannot stand beside `changes`, whose setpoints are of one leader; keep one of them"
+        )
     formation = Formation(
         file=file,
         name=name,
         description=keys.text("description", f"{count} robots: {first.name.replace('_', ' ')}"),
-        stages=_stages(timed, count, outlook, bounds, file),
+        stages=stages,
         duration_s=duration_s,
         frame_rate_hz=keys.number("frame_rate_hz", 30.0, 1.0, 1000.0),
         seed=keys.integer("seed", 1, 0, 2**31 - 1),
@@ -131,6 +141,8 @@ def read_formation(content: Mapping[str, Any], file: Path) -> Formation:
         headway_s=keys.number("headway_s", 0.0, 0.0, 3.0),
         coordinator_file=coordinator_file,
         outlook=outlook,
+        otherwise=otherwise,
+        dropouts=read_dropouts(keys, stages[0].places, duration_s),
     )
     keys.finish()
     return formation

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +35,8 @@ class FormationRun:
     recordings: Mapping[str, Recording]
     distance_setpoint_m: Mapping[str, FloatArray]  # (N,) each
     bearing_setpoint_rad: Mapping[str, FloatArray]  # (N,) each
+    # Since when [s] it has followed whom.
+    followed: Mapping[str, Sequence[tuple[float, str]]] = field(default_factory=dict)
 
 
 def play(
@@ -60,10 +62,14 @@ def play(
             feed = SetpointFeed(formation)
             how: dict[str, Any] = {"feed": feed, "duration_s": duration_s, "on_progress": on_progress}
             if transport == "drawn":
-                how["drawn"] = FormationSight(formation.seed, outlook=formation.outlook)
+                how["drawn"] = FormationSight(formation.seed, outlook=formation.outlook, others=_others(formation))
                 how["spec"] = without_pictures(sim.load_scenario(scenario.file))
             run, asked = run_in_process(scenario, profile=law, **how), feed.asked
     return _with_setpoints(formation, law, run, asked)
+
+
+def _others(formation: Formation) -> dict[str, list[str]]:
+    return {robot: [watch.leader for watch in watches] for robot, watches in formation.otherwise.watches.items()}
 
 
 def setpoint_at(formation: Formation, robot: str, time_s: float) -> core.Setpoint:
@@ -108,12 +114,43 @@ def same(a: core.Setpoint, b: core.Setpoint) -> bool:
 class FormationSight(DrawnObservations):
     """Drawn measurements of robots that can hide each other: nothing unless a whole tag is in sight (sight.py)."""
 
-    def __init__(self, seed: int, *, outlook: Outlook, **how: float) -> None:
+    def __init__(
+        self, seed: int, *, outlook: Outlook, others: Mapping[str, Sequence[str]] | None = None, **how: float
+    ) -> None:
         super().__init__(seed, half_view_rad=math.pi, **how)
         self.outlook = outlook
+        self.others = others or {}  # by robot: whom it follows while its leader is lost
+        self._visibility: dict[str, sim.Visibility] = {}
         self._utime = -1
         self._leaders: dict[str, str] = {}
         self._now: dict[str, Pose] = {}
+
+    def answer(self, world: sim.World, robot: str, driver: coordinator.Coordinator) -> coordinator.StepResult:
+        """As DrawnObservations.answer, of its leader and of everybody whom it follows otherwise."""
+        others = self.others.get(robot, ())
+        if not others:
+            return super().answer(world, robot, driver)
+        seen = [self.look(world, robot), *(self._look_at(world, robot, other) for other in others)]
+        return driver.step_observations(world.utime, seen, world.utime)
+
+    def _look_at(self, world: sim.World, robot: str, other: str) -> core.Observation | None:
+        """What ``robot`` sees of ``other``, which the scenario does not let it follow."""
+        poses = self._poses(world)
+        x_m, y_m, heading_rad = there = seen_from(poses[robot], poses[other])
+        distance_m = math.hypot(x_m, y_m)
+        covariance = self.noise.covariance(distance_m)
+        errors = self.scale * self._random.standard_normal(3) * np.sqrt(covariance.diagonal())
+        hiding = [seen_from(poses[robot], pose) for name, pose in poses.items() if name not in (robot, other)]
+        hidden = self._visibility[other]
+        if hidden.hidden_from_s <= world.time_s < hidden.hidden_until_s or not sees(self.outlook, there, hiding):
+            return None
+        return core.Observation(
+            utime=world.utime,
+            distance_m=distance_m + errors[0],
+            bearing_rad=math.atan2(y_m, x_m) + errors[1],
+            heading_rad=math.remainder(heading_rad, 2.0 * math.pi) + errors[2],
+            covariance=covariance,
+        )
 
     def look(self, world: sim.World, robot: str) -> core.Observation | None:
         """As DrawnObservations.look."""
@@ -129,7 +166,9 @@ class FormationSight(DrawnObservations):
         """Of all robots now; asked for once a picture, not once a robot."""
         if self._utime != world.utime:
             if not self._leaders:  # the scenario is a copy of all bodies and cameras: read once
-                self._leaders = {spec.name: spec.follows for spec in world.scenario.robots}
+                robots = world.scenario.robots
+                self._leaders = {spec.name: spec.follows for spec in robots}
+                self._visibility = {spec.name: spec.visibility for spec in robots}
             self._utime = world.utime
             self._now = {name: pose_of(world, name) for name in self._leaders}
         return self._now
@@ -148,4 +187,15 @@ def _with_setpoints(formation: Formation, law: str, run: Run, asked: Asked) -> F
         which = np.maximum(0, np.searchsorted(since_s, recording.time_s + 1e-9, side="right") - 1)
         distance[robot] = np.array([setpoint.distance_m for _, setpoint in asked[robot]])[which]
         bearing[robot] = np.array([setpoint.bearing_rad for _, setpoint in asked[robot]])[which]
-    return FormationRun(formation, law, run.recordings, distance, bearing)
+    return FormationRun(formation, law, run.recordings, distance, bearing, _followed(formation, run))
+
+
+def _followed(formation: Formation, run: Run) -> dict[str, list[tuple[float, str]]]:
+    others = _others(formation)
+    followed = {robot: [(0.0, leader)] for robot, leader in formation.leaders.items()}
+    for robot, since in followed.items():
+        names = [since[0][1], *others.get(robot, ())]
+        for report in run.reports[robot]:
+            if (leader := names[report.leader_index]) != since[-1][1]:
+                since.append(((report.utime - sim.START_UTIME) * 1e-6, leader))
+    return followed

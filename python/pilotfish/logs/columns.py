@@ -105,6 +105,8 @@ FRAMES = (
     _float("drive_lag_sigma_s", "s", "standard deviation of its identification"),
     _int("missed_deadlines", "", "commands that left later than they were due, since the program's start"),
     _int("clock_epochs", "", "how often the clock of the images was set, since the program's start"),
+    _int("leader_index", "", "who is followed: 0 the configured leader, 1 the first of alternatives.leaders, ..."),
+    _int("leader_changes", "", "how often that has changed, since the program's start"),
     _int("session", "", "the coordinator's, another one with every start"),
 )
 CORNERS = tuple(f"{axis}{corner}_px" for corner in range(4) for axis in "uv")

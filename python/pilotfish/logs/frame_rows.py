@@ -92,6 +92,8 @@ class FrameRows:
             "frame_rate_hz": message.frame_rate_hz,
             "missed_deadlines": message.missed_deadlines,
             "clock_epochs": message.clock_epochs,
+            "leader_index": message.leader_index,
+            "leader_changes": message.leader_changes,
             "ego_motion": message.ego_motion,
             "leader_intent": message.leader_intent,
             "session": message.session,

@@ -74,6 +74,8 @@ def _status(message: status_t) -> Values:
         "latency_from_exposure": bool(message.latency_from_exposure),
         "missed_deadlines": message.missed_deadlines,
         "clock_epochs": message.clock_epochs,
+        "leader_index": message.leader_index,
+        "leader_changes": message.leader_changes,
         "stages": [
             {"name": stage.name[:12], "counts": list(stage.counts), "max_ms": finite(stage.max_ms)}
             for stage in message.stages[:6]

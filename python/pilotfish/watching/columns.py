@@ -52,6 +52,12 @@ def _rising_text(row: Row) -> str:
     return f"{names[0]} +{row.rising[names[0]]}" + (f" (+{len(names) - 1})" if len(names) > 1 else "")
 
 
+def _leader_text(row: Row) -> str:
+    if row.leader_index is None:
+        return NOT_KNOWN
+    return f"{row.leader_index}" + (f" ({row.leader_changes} changes)" if row.leader_changes else "")
+
+
 COLUMNS: tuple[Column, ...] = (
     Column("robot", "robot", lambda r: r.robot, lambda r: r.robot, "Name on the bus.", right=False),
     Column("status", "status", lambda r: r.status, lambda r: r.status, "What the coordinator is doing.", right=False),
@@ -130,6 +136,14 @@ COLUMNS: tuple[Column, ...] = (
         "The counter that rose most within 10 s, by how much, and how many more rose.",
         right=False,
     ),
+    Column(
+        "leader",
+        "leader",
+        _leader_text,
+        lambda r: r.leader_changes,
+        "Who is followed, 0: the configured leader, 1: the first alternative; and how often that changed.",
+        right=False,
+    ),
     Column("wheels", "wheels", lambda r: r.wheels or NOT_KNOWN, lambda r: r.wheels, "pilotfish-base.", right=False),
     Column("reason", "reason", lambda r: r.reason, lambda r: r.reason, "Why, where it does not track.", right=False),
 )
@@ -139,7 +153,7 @@ GAP = 1  # columns of the screen between two of ours
 # Who has least room sees these first, as many as fit.
 _BY_IMPORTANCE = (
     *("robot", "status", "age_s", "distance_m", "error_m", "linear_mps", "reason", "rising", "wheels", "frame_rate_hz"),
-    *("latency_ms", "bearing_deg", "angular_radps", "output"),
+    *("latency_ms", "bearing_deg", "angular_radps", "output", "leader"),
 )
 
 

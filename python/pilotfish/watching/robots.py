@@ -51,6 +51,8 @@ class Row:
     latency_s: float | None = None  # from the exposure (or arrival) to the command, median of the last frames
     latency_max_s: float | None = None  # the largest within WINDOW_S
     rising: dict[str, int] = field(default_factory=dict)  # counters that rose within WINDOW_S, and by how much
+    leader_index: int | None = None  # who is followed: 0 the configured leader, 1 the first alternative, ...
+    leader_changes: int = 0  # since the coordinator's start
     wheels: str = ""  # state of pilotfish-base; empty: none on the bus
     age_s: float = 0.0  # since the newest message
 
@@ -114,6 +116,8 @@ class RobotState:
             latency_s=self._status.latency_s if self._latencies and self._status is not None else None,
             latency_max_s=self._latency_max_s(),
             rising=self._rising(),
+            leader_index=self._status.leader_index if self._status is not None else None,
+            leader_changes=self._status.leader_changes if self._status is not None else 0,
             wheels=self._wheels(now_s),
             age_s=max(0.0, now_s - self.heard_s),
         )

@@ -63,6 +63,7 @@ const LOOP_TILES = [
   ["wheels' lag", "ms", (s) => number(drive(s)?.lag, 0), (s) => (drive(s) ? `± ${number(drive(s).lagSigma, 0)} ms` : ""), "drive-lag"],
   ["feed-forward", "%", (s) => number((s.status?.feed_forward_weight ?? NaN) * 100, 0), (s) => (s.status?.feed_forward_weight > 0 ? `leader ${signed(s.status.leader_radial_mps, 2)} m/s` : ""), "feed-forward"],
   ["missed deadlines", "", (s) => `${s.status?.missed_deadlines ?? "–"}`, () => "", "missed"],
+  ["leader", "", (s) => (s.status?.leader_index === 0 ? "first" : s.status ? `other ${s.status.leader_index}` : "–"), (s) => (s.status?.leader_changes ? `changed ${s.status.leader_changes} times` : ""), "leader"],
   ["wheels' process", "", (s) => s.base?.state ?? "none", (s) => s.base?.text ?? "", "base"],
 ];
 
