@@ -264,8 +264,13 @@ class _Run:
                     causes.observation_cause(recorded_observation, result.observation),
                 )
         else:
-            result = self._core.step_observation(
-                message.utime, recorded_observation, message.now_us, core.Reason(message.reason), message.known_age_us
+            result = self._core.step_recorded(
+                message.utime,
+                recorded_observation,
+                message.leaders_in_view,
+                message.now_us,
+                core.Reason(message.reason),
+                message.known_age_us,
             )
         command = core.Twist(linear_mps=message.command_linear_mps, angular_radps=message.command_angular_radps)
         was = _answer_text(core.Status(message.status), core.Reason(message.reason), command)
