@@ -72,7 +72,7 @@ def test_a_change_of_leader_is_computed_again_from_what_was_recorded_without_pic
         alternative = observation_at(utime, 1.3, 0.1) if k >= 20 else None
         run.see_each(utime, [leader, alternative], utime)
         followed.append(run.core.leader_index)
-    assert [0, 1, 0] == [leader for leader, _ in itertools.groupby(followed)]
+    assert [leader for leader, _ in itertools.groupby(followed)] == [0, 1, 0]
     run.close()
     report = replay(events_in(tmp_path / "box"))
     assert report.first_difference is None

@@ -257,7 +257,7 @@ def test_in_real_time_the_scenario_takes_as_long_as_it_says(tmp_path):
 def test_in_real_time_a_picture_does_not_wait_for_the_next_one_to_be_rendered(tmp_path):
     # The latency is one period: the picture of exposure k is due when exposure k + 1 begins, whose poses go out before
     # its picture is rendered. It had waited for both: 5 to 12 ms that no configuration names.
-    done, coordinator, recording = play(tmp_path, "--realtime", "--duration-s", "1.5", heartbeat=True)
+    done, coordinator, _recording = play(tmp_path, "--realtime", "--duration-s", "1.5", heartbeat=True)
     assert done.returncode == 0, done.stderr
     exposed = {utime: k + 1 for k, utime in enumerate(coordinator.pose_utimes)}
     in_time = [coordinator.poses_before[utime] <= exposed[utime] for utime in coordinator.pictures()]
