@@ -69,11 +69,18 @@ def backdrop(camera: core.CameraModel, rng: np.random.Generator) -> np.ndarray:
 
 
 def show(
-    light: np.ndarray, camera: core.CameraModel, cMt: np.ndarray, sheet: Sheet, lighting: Lighting | None = None
+    light: np.ndarray,
+    camera: core.CameraModel,
+    cMt: np.ndarray,
+    sheet: Sheet,
+    lighting: Lighting | None = None,
+    rows: tuple[int, int] | None = None,
 ) -> None:
-    """Puts the sheet, at cMt (4, 4), into the picture `light` (H, W)."""
+    """Puts the sheet, at cMt (4, 4), into the picture `light` (H, W), or into rows rows[0] to before rows[1]."""
     lighting = lighting or Lighting()
     first, last = _bounds(camera, cMt, sheet)
+    if rows is not None:
+        first[1], last[1] = max(first[1], rows[0]), min(last[1], rows[1])
     if (last <= first).any():
         return
     n = SAMPLES

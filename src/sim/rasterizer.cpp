@@ -227,7 +227,8 @@ bool same_gray(const Facet& facet, const std::array<std::int16_t, 4>& corners) {
 
 }  // namespace
 
-void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, Gray16* image) {
+void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, int first_row,
+          int end_row, Gray16* image) {
   std::vector<std::uint8_t> crossed(static_cast<std::size_t>(camera.width) * camera.height, 0);
   const std::vector<Facet> facets = facets_of(camera, grid, bodies, crossed);
   if (facets.empty()) return;
@@ -242,7 +243,7 @@ void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<Visi
 
   Scratch scratch;
   std::vector<const Facet*> in_row;
-  for (int v = box.top; v < box.bottom; ++v) {
+  for (int v = std::max(box.top, first_row); v < std::min(box.bottom, end_row); ++v) {
     in_row.clear();
     for (const Facet& facet : facets)
       if (v >= facet.top && v < facet.bottom) in_row.push_back(&facet);
