@@ -225,12 +225,23 @@ bool same_gray(const Facet& facet, const std::array<std::int16_t, 4>& corners) {
   return true;
 }
 
+std::vector<Facet> within(std::vector<Facet> facets, int first_row, int end_row) {
+  for (Facet& facet : facets) {
+    facet.top = std::max(facet.top, first_row);
+    facet.bottom = std::min(facet.bottom, end_row);
+  }
+  facets.erase(
+      std::remove_if(facets.begin(), facets.end(), [](const Facet& facet) { return facet.top >= facet.bottom; }),
+      facets.end());
+  return facets;
+}
+
 }  // namespace
 
 void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, int first_row,
           int end_row, Gray16* image) {
   std::vector<std::uint8_t> crossed(static_cast<std::size_t>(camera.width) * camera.height, 0);
-  const std::vector<Facet> facets = facets_of(camera, grid, bodies, crossed);
+  const std::vector<Facet> facets = within(facets_of(camera, grid, bodies, crossed), first_row, end_row);
   if (facets.empty()) return;
   Box box{camera.width, 0, camera.height, 0};
   for (const Facet& facet : facets)
@@ -243,7 +254,7 @@ void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<Visi
 
   Scratch scratch;
   std::vector<const Facet*> in_row;
-  for (int v = std::max(box.top, first_row); v < std::min(box.bottom, end_row); ++v) {
+  for (int v = box.top; v < box.bottom; ++v) {
     in_row.clear();
     for (const Facet& facet : facets)
       if (v >= facet.top && v < facet.bottom) in_row.push_back(&facet);
