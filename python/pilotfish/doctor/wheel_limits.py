@@ -20,7 +20,7 @@ _NEEDED = {
 
 
 def check_wheel_limits(coordinator_file: Path) -> Finding:
-    """Of ``base.yaml`` in the folder of the coordinator's file. A coordinator predicts with its own limits how its robot
+    """Of ``base.yaml`` beside the coordinator's file. A coordinator predicts with its own limits how its robot
     moves, and its collision guard how it stops: where the base brakes less, the minimum distance is no promise."""
     beside = coordinator_file.parent / "base.yaml"
     if not beside.is_file():
