@@ -9,7 +9,8 @@ from recordings import COASTING, LOST, NO_FRAME, Writer
 
 from pilotfish.logs import read_run
 from pilotfish.plots.relative_view import draw_relative_view
-from pilotfish.plots.run_overview import draw_run_overview, status_stretches
+from pilotfish.plots.run_overview import draw_run_overview
+from pilotfish.plots.status_band import band_pieces, status_stretches
 from pilotfish.plots.style import DARK, save
 
 
@@ -48,6 +49,56 @@ def test_the_band_shows_what_was_sent_also_while_no_frame_came(tmp_path):
     assert [status for _, _, status in stretches] == ["tracking", "coasting", "lost"]
     assert [begin for begin, _, _ in stretches[1:]] == [end for _, end, _ in stretches[:-1]]  # without a hole
     assert stretches[2][1] - stretches[2][0] == pytest.approx(16 * 0.05)
+
+
+def area(pieces):
+    """Time by status: [s] where a piece has all of the band's height."""
+    seconds = {}
+    for piece in pieces:
+        height = piece.top - piece.bottom
+        seconds[piece.status] = seconds.get(piece.status, 0.0) + (piece.end_s - piece.begin_s) * height
+    return seconds
+
+
+def test_what_is_narrower_than_a_column_of_the_band_takes_its_part_of_the_height():
+    """30 ms without a picture every 10 s of 100 s: 0.3 % of the time is 0.3 % of the area, however wide a column is."""
+    stretches = []
+    for k in range(10):
+        stretches += [(10.0 * k, 10.0 * k + 9.97, "tracking"), (10.0 * k + 9.97, 10.0 * (k + 1), "coasting")]
+    pieces = band_pieces(stretches, 0.0, 100.0, columns=400)
+    assert area(pieces) == pytest.approx({"tracking": 99.7, "coasting": 0.3})
+    # A column is 250 ms wide: 30 ms of it are 12 % of its height, and not all of it.
+    assert max(piece.top - piece.bottom for piece in pieces if piece.status == "coasting") == pytest.approx(0.12)
+
+
+def test_what_is_wider_than_a_column_has_all_of_the_height_of_the_band():
+    pieces = band_pieces([(0.0, 50.0, "tracking"), (50.0, 100.0, "lost")], 0.0, 100.0, columns=400)
+    assert [(p.begin_s, p.end_s, p.bottom, p.top, p.status) for p in pieces] == [
+        (0.0, 50.0, 0.0, 1.0, "tracking"),
+        (50.0, 100.0, 0.0, 1.0, "lost"),
+    ]
+
+
+def test_a_hole_in_the_recording_is_a_hole_in_the_band():
+    pieces = band_pieces([(0.0, 10.0, "tracking"), (90.0, 100.0, "tracking")], 0.0, 100.0, columns=100)
+    assert area(pieces) == pytest.approx({"tracking": 20.0})
+    assert [(p.begin_s, p.end_s) for p in pieces] == [pytest.approx((0.0, 10.0)), pytest.approx((90.0, 100.0))]
+
+
+def test_a_curve_that_lies_upon_another_leaves_it_to_be_seen(recorded):
+    """The same run twice: the first is wide and whole, the second narrow and dashed, so both are seen."""
+    robot = read_run(recorded.box).robots["robot1"]
+    runs = {"first": robot, "second": robot}
+    for figure, at in ((draw_run_overview(runs), 1), (draw_relative_view(runs), 0)):
+        lines = [
+            line
+            for line in figure.axes[at].get_lines()
+            if "first" in str(line.get_label()) or "second" in str(line.get_label())
+        ]
+        first, second = lines
+        assert first.get_linestyle() == "-" and second.get_linestyle() == "--"
+        assert first.get_linewidth() > 1.5 * second.get_linewidth()
+        assert first.get_color() != second.get_color()
 
 
 def test_from_above_the_leader_is_where_distance_and_bearing_put_it(recorded):

@@ -129,8 +129,8 @@ def step_of(writer, sequence, linear_mps):
 
 
 def test_what_left_counts_and_not_what_the_core_had_decided(tmp_path):
-    """A busy computer: the answer to the second frame comes too late, and a zero leaves in its place. The bus knows only
-    the zero, the black box both; either recording tells the same."""
+    """A busy computer: the answer to the second frame comes too late, and a zero leaves in its place. The bus knows the
+    zero only, the black box both; either recording tells the same."""
     runs = {}
     for kind in ("box", "bus"):
         (tmp_path / kind).mkdir()

@@ -167,6 +167,40 @@ def test_what_differs_between_runs_is_named_key_by_key(tmp_path):
     assert cells == ["program", "pilotfish one", "pilotfish two", "config: control.gain", "2.0", "2.5"]
 
 
+def summary_of(text):
+    return text[text.index("Summary</h2>") :].split("<h2")[0]
+
+
+def test_two_recordings_of_one_run_are_told_and_what_only_one_of_them_has(tmp_path):
+    """lcm-logger began two frames late and has not heard the last one."""
+    writer = Writer(tmp_path / "whole.log")
+    ends = [0]
+    for _ in range(10):
+        writer.frame()
+        writer.passes()
+        ends.append(writer.file.stat().st_size)
+    part = tmp_path / "part.log"
+    part.write_bytes(writer.file.read_bytes()[ends[2] : ends[9]])
+    told = summary_of(page_of(writer.file, part))
+    assert "run 0: robot1 and run 1: robot1 are recordings of the same run: 7 frames are in both" in told
+    assert "3 are only in run 0: robot1, 0 only in run 1: robot1" in told
+    (tmp_path / "other").mkdir()
+    other = Writer(tmp_path / "other" / "run.log", session=78)
+    other.frame()
+    assert "the same run" not in summary_of(page_of(writer.file, other.file))
+
+
+def test_a_run_that_has_not_settled_is_said_not_to_have(tmp_path):
+    """It comes nearer throughout, and never rests; against one that does from its 50th frame on."""
+    for name, settles in (("settles", True), ("never", False)):
+        (tmp_path / name).mkdir()
+        writer = Writer(tmp_path / name / "run.log")
+        for k in range(300):
+            writer.frame(1.1 + (max(0, 50 - k) * 0.01 if settles else 0.002 * (300 - k)))
+            writer.passes()
+        assert ("has not settled" in summary_of(page_of(writer.file))) == (not settles)
+
+
 def test_runs_without_settings_say_so_and_a_run_without_a_leader_is_drawn(tmp_path):
     writer = Writer(tmp_path / "run.log")
     for _ in range(3):

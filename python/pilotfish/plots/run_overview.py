@@ -4,7 +4,6 @@ doing. Several runs in the same axes, from their beginnings."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,9 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from pilotfish.logs.run import RobotRun, Table
-from pilotfish.plots.status_colours import STATUS_COLOURS, status_colour
+from pilotfish.plots.run_lines import run_lines
+from pilotfish.plots.status_band import draw_status_band, status_stretches
+from pilotfish.plots.status_colours import STATUS_COLOURS
 from pilotfish.plots.style import LIGHT, Theme, style
-from pilotfish.plots.thinned import BREAK_S, thinned
+from pilotfish.plots.thinned import thinned
 from pilotfish.recording import FloatArray, wrap_angle
 
 Runs = Mapping[str, RobotRun]  # by what the legend says
@@ -39,17 +40,19 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         band, *panels = figure.subplots(
             1 + len(_PANELS), 1, sharex=True, height_ratios=(0.25 + 0.25 * len(runs), 3, 2, 2, 2, 2)
         )
-        _draw_band(band, runs, theme)
+        times = [_times(run, runs) for run in runs.values() if len(run.frames)]
+        begin_s, end_s = min(t[0] for t in times), max(t[-1] for t in times)
+        end_s = max(end_s, begin_s + 1e-3)
+        _draw_band(band, runs, (begin_s, end_s))
+        lines = run_lines(runs, theme)
         for axes, (label, values) in zip(panels, _PANELS, strict=True):
             axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
-            for (name, run), colour in zip(runs.items(), cycle(theme.lines), strict=False):
-                axes.plot(*thinned(_times(run, runs), values(run.frames)), color=colour, linewidth=1.2, label=name)
+            for name, run in runs.items():
+                axes.plot(*thinned(_times(run, runs), values(run.frames)), **lines[name], label=name)
             axes.set_ylabel(label)
         panels[-1].set_ylim(bottom=0.0)
         panels[-1].set_xlabel("time [s]")
-        times = [_times(run, runs) for run in runs.values() if len(run.frames)]
-        begin_s, end_s = min(t[0] for t in times), max(t[-1] for t in times)
-        panels[-1].set_xlim(begin_s, max(end_s, begin_s + 1e-3))
+        panels[-1].set_xlim(begin_s, end_s)
         handles = [Patch(color=colour, label=status) for status, colour in _shown(runs).items()]
         if len(runs) > 1:
             handles += panels[0].get_legend_handles_labels()[0]
@@ -69,30 +72,11 @@ def _times(run: RobotRun, runs: Runs) -> FloatArray:
     return run.frames["t_s"] - _origin_s(run, runs)
 
 
-def status_stretches(run: RobotRun) -> list[tuple[float, float, str]]:
-    """(from, to, status): while the same status was sent. From commands, which are sent also when no frame comes."""
-    table = run.commands if len(run.commands) else run.frames
-    time_s, codes, words = table["t_s"], table["status"], table.words("status")
-    if not len(time_s):
-        return []
-    breaks = (np.diff(codes) != 0) | (np.diff(time_s) > BREAK_S)
-    firsts = np.concatenate([[0], np.flatnonzero(breaks) + 1])
-    lasts = np.append(firsts[1:], len(time_s)) - 1
-    stretches = []
-    for first, last in zip(firsts, lasts, strict=True):
-        after = min(last + 1, len(time_s) - 1)
-        end_s = time_s[after] if time_s[after] - time_s[last] <= BREAK_S else time_s[last]
-        stretches.append((float(time_s[first]), float(end_s), str(words[first])))
-    return stretches
-
-
-def _draw_band(axes: Axes, runs: Runs, theme: Theme) -> None:
+def _draw_band(axes: Axes, runs: Runs, span_s: tuple[float, float]) -> None:
     for row, run in enumerate(runs.values()):
-        by_status: dict[str, list[tuple[float, float]]] = {}
-        for begin_s, end_s, status in status_stretches(run):
-            by_status.setdefault(status, []).append((begin_s - _origin_s(run, runs), end_s - begin_s))
-        for status, bars in by_status.items():
-            axes.broken_barh(bars, (-row - 0.4, 0.8), color=status_colour(status), linewidth=0)
+        origin_s = _origin_s(run, runs)
+        stretches = [(from_s - origin_s, to_s - origin_s, status) for from_s, to_s, status in status_stretches(run)]
+        draw_status_band(axes, stretches, -row, 0.8, span_s)
     names = list(runs) if len(runs) > 1 else ["status"]
     axes.set_yticks([-row for row in range(len(runs))], names)
     axes.set_ylim(-len(runs) + 0.4, 0.6)

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 
+import numpy as np
+
 from pilotfish.logs.report.look import CSS
 from pilotfish.logs.report.tables import (
     counter_table,
@@ -16,6 +18,7 @@ from pilotfish.logs.report.tables import (
     summary_table,
 )
 from pilotfish.logs.run import RobotRun, Run
+from pilotfish.logs.same_run import same_runs
 from pilotfish.logs.settings_keys import differences
 from pilotfish.logs.summary import TITLES, shown, summarize
 from pilotfish.plots.inline_svg import inline_svg
@@ -23,7 +26,18 @@ from pilotfish.plots.relative_view import draw_relative_view
 from pilotfish.plots.run_overview import draw_run_overview
 from pilotfish.plots.style import ON_PAGE
 
-_TILES = ("duration_s", "frames", "followed_share", "rms_distance_error_mm", "rms_bearing_error_deg", "latency_p99_ms")
+_TILES = (
+    "duration_s",
+    "followed_share",
+    "rms_distance_error_mm",
+    "rms_bearing_error_deg",
+    "settling_s",
+    "latency_p99_ms",
+)
+_NOT_SETTLED = (
+    "in its last quarter the distance error left its mean by more than 50 mm, or there was too little of it. What stands "
+    "as after the approach is that quarter all the same."
+)
 # Nothing may be loaded, whatever a recording has put into the page.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
@@ -76,8 +90,15 @@ def _summary(runs: Sequence[ReportedRun]) -> str:
     parts.append(summary_table(summaries))
     parts.append(
         '<p class="dim">Errors are those that the coordinator measured by its own camera; what the camera cannot see '
-        "(a wrong calibration, a wrong mounting) is not in them.</p>"
+        "(a wrong calibration, a wrong mounting) is not in them. After the approach: the last quarter of the part that "
+        "begins with the last setpoint, start or resume, as in the experiments.</p>"
     )
+    parts += [f'<p class="dim">{escape(pair.text)}</p>' for pair in same_runs({run.name: run.robot for run in runs})]
+    parts += [
+        f'<p class="warning">{escape(name)} has not settled: {_NOT_SETTLED}</p>'
+        for name, summary in summaries.items()
+        if not np.isfinite(summary.settling_s)
+    ]
     for run in runs:
         parts += [f'<p class="warning">{escape(run.name)}: {escape(text)}</p>' for text in _troubles(run.recording)]
     return "\n".join(parts)
@@ -99,8 +120,12 @@ def _troubles(run: Run) -> list[str]:
 def _figures(robots: dict[str, RobotRun]) -> str:
     overview = inline_svg(draw_run_overview(robots, theme=ON_PAGE), "overview")
     view = inline_svg(draw_relative_view(robots, theme=ON_PAGE), "view")
+    over_time = (
+        "Over time. Lines are broken where nothing was measured. Above, the area of a colour is its share of the time: "
+        "what is too short to be seen is among the events."
+    )
     return (
-        f"<figure>{overview}<figcaption>Over time. Lines are broken where nothing was measured.</figcaption></figure>\n"
+        f"<figure>{overview}<figcaption>{over_time}</figcaption></figure>\n"
         f"<figure>{view}<figcaption>The leader as seen from above, relative to the robot.</figcaption></figure>"
     )
 
