@@ -23,7 +23,7 @@ def curve(axes, number=1):
 def test_the_curves_are_the_errors_in_millimetres_and_degrees(recorded):
     robot = read_run(recorded.box).robots["robot1"]
     figure = draw_run_overview({"robot1": robot})
-    _, distance, bearing, speed, turn, latency = figure.axes
+    _, distance, _magnified, bearing, speed, turn, latency = figure.axes
     frames = robot.frames
     for axes, expected in (
         (distance, 1e3 * frames["error_m"]),
@@ -33,6 +33,7 @@ def test_the_curves_are_the_errors_in_millimetres_and_degrees(recorded):
         (latency, 1e3 * frames["latency_s"]),
     ):
         time_s, values = curve(axes)
+        assert axes.get_yscale() == "linear"
         np.testing.assert_allclose(values[np.isfinite(values)], expected, rtol=0, atol=1e-9)
         np.testing.assert_allclose(time_s[np.isfinite(time_s)], frames["t_s"])
 
@@ -49,6 +50,32 @@ def test_the_band_shows_what_was_sent_also_while_no_frame_came(tmp_path):
     assert [status for _, _, status in stretches] == ["tracking", "coasting", "lost"]
     assert [begin for begin, _, _ in stretches[1:]] == [end for _, end, _ in stretches[:-1]]  # without a hole
     assert stretches[2][1] - stretches[2][0] == pytest.approx(16 * 0.05)
+
+
+def test_the_error_behind_the_approach_is_read_on_a_logarithmic_axis(tmp_path):
+    """1 m too far at first, then 0.5 mm; and 20 frames without a measurement, where there is no curve."""
+    writer = Writer(tmp_path / "run.log")
+    for k in range(200):
+        writer.frame(2.1 if k < 50 else None if 100 <= k < 120 else 1.1005)
+        writer.passes()
+    axes = draw_run_overview({"robot1": read_run(writer.file).robots["robot1"]}).axes[2]
+    assert axes.get_yscale() == "log"
+    _, values_mm = curve(axes, 0)
+    assert values_mm[0] == pytest.approx(1000.0)
+    assert values_mm[-1] == pytest.approx(0.5)
+    assert np.isnan(values_mm).sum() == 1  # one break
+
+
+def test_a_status_before_the_first_frame_is_not_in_the_legend(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(5):
+        writer.command(LOST, NO_FRAME)
+        writer.wall_us += 50_000
+    for _ in range(30):
+        writer.frame()
+        writer.passes()
+    figure = draw_run_overview({"robot1": read_run(writer.file).robots["robot1"]})
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["tracking"]
 
 
 def area(pieces):

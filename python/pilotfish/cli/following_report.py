@@ -9,7 +9,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from pilotfish.doctor.following import Cause, Diagnosis, Evidence
-from pilotfish.doctor.following.evidence import Numbers, reason_text
+from pilotfish.doctor.following.evidence import Numbers
+from pilotfish.reason_words import reason_text
 
 _MOST_COUNTERS = 8
 

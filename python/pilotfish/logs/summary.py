@@ -56,7 +56,7 @@ TITLES = {
     "rms_bearing_error_deg": ("RMS bearing error after the approach", "°", 3),
     "p95_bearing_error_deg": ("95th percentile of |bearing error| after the approach", "°", 3),
     "steady_distance_error_mm": ("steady-state distance error (its mean after the approach)", "mm", 2),
-    "approach_from_mm": ("approach: distance error at its start", "mm", 0),
+    "approach_from_mm": ("approach: distance error at its start (negative: too far)", "mm", 0),
     "settling_s": ("approach: settling to the steady-state error ± 50 mm", "s", 2),
     "rms_whole_distance_error_mm": ("RMS distance error while following, approach included", "mm", 2),
     "rms_jerk_mps3": ("RMS jerk of the commanded speed, from start to end", "m/s³", 2),

@@ -16,11 +16,14 @@ from pilotfish.plots.status_band import draw_status_band, status_stretches
 from pilotfish.plots.status_colours import STATUS_COLOURS
 from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.plots.thinned import thinned
+from pilotfish.plots.traces import MIN_SHOWN_MM, RMS_WINDOW_S, logarithmic_mm, running_rms
 from pilotfish.recording import FloatArray, wrap_angle
 
 Runs = Mapping[str, RobotRun]  # by what the legend says
+_SEEN_S = 1e-3  # a status that ends within so much of the first frame is one from before it
 _PANELS: tuple[tuple[str, Callable[[Table], FloatArray]], ...] = (
     ("distance error\ne = $d_p$ - d [mm]", lambda frames: 1e3 * frames["error_m"]),
+    (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda frames: rms_error_mm(frames)),
     ("bearing error\nθ - $θ_{pd}$ [°]", lambda frames: np.degrees(bearing_error_rad(frames))),
     ("command\n[m/s]", lambda frames: frames["command_linear_mps"]),
     ("command\n[°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
@@ -33,12 +36,18 @@ def bearing_error_rad(frames: Table) -> FloatArray:
     return wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])
 
 
+def rms_error_mm(frames: Table) -> FloatArray:
+    """RMS of e within RMS_WINDOW_S around each frame [mm], shape (N,), not below MIN_SHOWN_MM: for a logarithmic axis,
+    where the error behind the approach is read beside that of its beginning."""
+    return np.maximum(1e3 * running_rms(frames["t_s"], frames["error_m"], RMS_WINDOW_S), MIN_SHOWN_MM)
+
+
 def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figure:
     """Panels one below the other, the band of the status on top. Every run has at least one frame."""
     with style(theme):
-        figure = Figure(figsize=(9.0, 9.2 + 0.25 * len(runs)))
+        figure = Figure(figsize=(9.0, 10.6 + 0.25 * len(runs)))
         band, *panels = figure.subplots(
-            1 + len(_PANELS), 1, sharex=True, height_ratios=(0.25 + 0.25 * len(runs), 3, 2, 2, 2, 2)
+            1 + len(_PANELS), 1, sharex=True, height_ratios=(0.25 + 0.25 * len(runs), 3, 2, 2, 2, 2, 2)
         )
         times = [_times(run, runs) for run in runs.values() if len(run.frames)]
         begin_s, end_s = min(t[0] for t in times), max(t[-1] for t in times)
@@ -46,14 +55,17 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         _draw_band(band, runs, (begin_s, end_s))
         lines = run_lines(runs, theme)
         for axes, (label, values) in zip(panels, _PANELS, strict=True):
-            axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
+            if "RMS" not in label:
+                axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
             for name, run in runs.items():
                 axes.plot(*thinned(_times(run, runs), values(run.frames)), **lines[name], label=name)
             axes.set_ylabel(label)
+        panels[1].set_ylim(*_limits_mm([rms_error_mm(run.frames) for run in runs.values()]))
+        logarithmic_mm(panels[1])
         panels[-1].set_ylim(bottom=0.0)
         panels[-1].set_xlabel("time [s]")
         panels[-1].set_xlim(begin_s, end_s)
-        handles = [Patch(color=colour, label=status) for status, colour in _shown(runs).items()]
+        handles = [Patch(color=colour, label=status) for status, colour in _shown(runs, end_s).items()]
         if len(runs) > 1:
             handles += panels[0].get_legend_handles_labels()[0]
         figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 5), fontsize=9)
@@ -61,6 +73,13 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         if title:
             band.set_title(title)
     return figure
+
+
+def _limits_mm(curves: list[FloatArray]) -> tuple[float, float]:
+    """Of a logarithmic axis, a little beyond the values; an axis all the same where nothing was measured."""
+    known = np.concatenate(curves)
+    known = known[np.isfinite(known)]
+    return (float(known.min()) / 1.5, float(known.max()) * 1.5) if known.size else (1.0, 1000.0)
 
 
 def _origin_s(run: RobotRun, runs: Runs) -> float:
@@ -85,7 +104,14 @@ def _draw_band(axes: Axes, runs: Runs, span_s: tuple[float, float]) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _shown(runs: Runs) -> dict[str, str]:
-    """The statuses that occur, in the order of the protocol."""
-    there = {status for run in runs.values() for _, _, status in status_stretches(run)}
+def _shown(runs: Runs, end_s: float) -> dict[str, str]:
+    """The statuses that occur between the first frame and the last, in the order of the protocol."""
+    there = set()
+    for run in runs.values():
+        begin_s = float(run.frames["t_s"][0])
+        there |= {
+            status
+            for from_s, to_s, status in status_stretches(run)
+            if to_s > begin_s + _SEEN_S and from_s - _origin_s(run, runs) < end_s
+        }
     return {status: colour for status, colour in STATUS_COLOURS.items() if status in there}

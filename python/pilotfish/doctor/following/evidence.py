@@ -138,12 +138,6 @@ def reason_name(number: int) -> str:
     return _REASONS.get(number, f"reason {number}")
 
 
-def reason_text(name: str) -> str:
-    """In words, as the programs say it."""
-    reason = Reason.__members__.get(name)
-    return reason.text if reason is not None and reason.text else name.replace("_", " ")
-
-
 def risen(reports: Sequence[Any]) -> dict[str, int]:
     """How much each counter of one sender rose; the largest first.
 

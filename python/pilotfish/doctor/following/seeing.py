@@ -12,9 +12,10 @@ from pilotfish.doctor.following.cause import (
     risen_by,
     time_text,
 )
-from pilotfish.doctor.following.evidence import Evidence, reason_text
+from pilotfish.doctor.following.evidence import Evidence
 from pilotfish.doctor.following.in_view import InView
 from pilotfish.doctor.following.setup import Setup
+from pilotfish.reason_words import reason_text
 
 _OFTEN = 0.1  # a reason that holds for less of the time is not worth a line
 _OFTEN_LATE = 0.25  # of pictures that come, and now and then a period late

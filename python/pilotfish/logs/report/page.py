@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timezone
 from html import escape
 
 import numpy as np
@@ -35,8 +36,8 @@ _TILES = (
     "latency_p99_ms",
 )
 _NOT_SETTLED = (
-    "in its last quarter the distance error left its mean by more than 50 mm, or there was too little of it. What stands "
-    "as after the approach is that quarter all the same."
+    "in its last quarter the distance error left its mean by more than 50 mm, or there was too little of it. "
+    "What stands as after the approach is that quarter all the same."
 )
 # Nothing may be loaded, whatever a recording has put into the page.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -56,7 +57,7 @@ def report_html(runs: Sequence[ReportedRun]) -> str:
     robots = {run.name: run.robot for run in runs}
     title = " and ".join(robots) if len(runs) <= 2 else f"{len(runs)} runs"
     sections = [
-        ("Summary", _summary(runs)),
+        ("Summary", summary_section(runs)),
         ("Figures", _figures(robots)),
         *([("What differs", _differences(robots))] if len(runs) > 1 else []),
         ("Events", _each(robots, lambda robot: event_table(robot.events) if robot.events else _nothing("no event"))),
@@ -76,9 +77,10 @@ def report_html(runs: Sequence[ReportedRun]) -> str:
     )
 
 
-def _summary(runs: Sequence[ReportedRun]) -> str:
+def summary_section(runs: Sequence[ReportedRun]) -> str:
+    """Where they come from, their figures, and what must be known to read them."""
     summaries = {run.name: summarize(run.robot) for run in runs}
-    parts = []
+    parts = [f'<p class="dim">{escape(_recorded(run))}</p>' for run in runs]
     if len(runs) == 1:
         summary = next(iter(summaries.values()))
         tiles = ""
@@ -104,6 +106,27 @@ def _summary(runs: Sequence[ReportedRun]) -> str:
     return "\n".join(parts)
 
 
+def _recorded(run: ReportedRun) -> str:
+    """Who, when and by what: where the figures come from."""
+    frames, settings = run.robot.frames, run.robot.last_settings
+    starts = len(run.robot.sessions)
+    parts = [
+        f"{run.robot.name}, first picture {_date(int(frames['log_utime_us'][0]))}",
+        *(["time was a simulator's"] if run.robot.simulated else []),
+        *([f"{starts} starts of the program"] if starts > 1 else []),
+        settings.program.partition(",")[0] if settings is not None else "settings not recorded",
+        str(run.recording.path),
+    ]
+    return f"{run.name}: {'; '.join(part for part in parts if part)}"
+
+
+def _date(utime: int) -> str:
+    try:
+        return f"{datetime.fromtimestamp(utime * 1e-6, tz=timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
+    except (ValueError, OverflowError, OSError):  # whatever a damaged file says
+        return "at no date that can be"
+
+
 def _troubles(run: Run) -> list[str]:
     troubles = [
         f"{damage.file.name}: {damage.size} bytes that are no events, "
@@ -126,7 +149,8 @@ def _figures(robots: dict[str, RobotRun]) -> str:
     )
     return (
         f"<figure>{overview}<figcaption>{over_time}</figcaption></figure>\n"
-        f"<figure>{view}<figcaption>The leader as seen from above, relative to the robot.</figcaption></figure>"
+        f'<figure class="small">{view}'
+        "<figcaption>The leader as seen from above, relative to the robot.</figcaption></figure>"
     )
 
 
