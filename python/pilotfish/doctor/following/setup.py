@@ -27,6 +27,7 @@ class Setup:
     ids: tuple[int, ...]
     body: str  # the leader's name
     frame_rate_hz: float = 30.0
+    run: bool = True  # setpoint.run: it drives as soon as it is started
 
     @property
     def image_channel(self) -> str | None:
@@ -83,7 +84,17 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
         ids=tuple(sorted(tag.id for tag in part.leader.tags)),
         body=part.leader.name,
         frame_rate_hz=loaded.frame_rate_hz,
+        run=part.setpoint.run,
     )
+
+
+def runs_here(robot: str, url: str, processes: list[Process]) -> bool:
+    """Whether one of these is the coordinator that is heard on the bus at ``url``, as far as its command line says."""
+    for process in processes:
+        name = process.option("--name")
+        if same_bus(process.lcm_url, url) and (name is None or name.lower() == robot.lower()):
+            return True
+    return False
 
 
 def running_coordinators(host: Host) -> list[Process]:
