@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 STAGE_WORDS = {
-    "waited": "from a picture's arrival until it is looked at",
-    "looked": "vision and control law",
-    "answered": "from a picture's arrival to its command",
-    "beats_late": "commands between pictures: sent later than due",
+    "waited": "wait before vision",
+    "looked": "vision and law",
+    "answered": "arrival to command",
+    "beats_late": "lateness of commands",  # of those between pictures, against when they were due
 }
 
 

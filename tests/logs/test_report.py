@@ -96,7 +96,7 @@ def test_a_browser_shows_it_without_complaint_and_loads_nothing_else(browser, pa
 def test_stages_and_reasons_are_said_in_words():
     stages = {"beats_late": Stage([1] + [0] * 10, 0.1), "new_stage": Stage([1] + [0] * 10, 0.1)}
     assert "beats_late" not in stage_table(stages)
-    assert "sent later than due" in stage_table(stages) and "new stage" in stage_table(stages)
+    assert "lateness of commands" in stage_table(stages) and "new stage" in stage_table(stages)
     events = [
         RunEvent(0.0, "status", "lost: no_frame"),
         RunEvent(0.0, "status", "tracking"),

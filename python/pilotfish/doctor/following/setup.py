@@ -125,18 +125,21 @@ def same_bus(url: str, other: str) -> bool:
     return group == group_of(other) if group else url == other
 
 
-def find_setup(robot: str, url: str, processes: list[Process]) -> Setup | None:
-    """Of the running coordinator of that name on that bus; None if there is none, or its files cannot be read here."""
+def setups_here(url: str, processes: list[Process]) -> dict[str, Setup]:
+    """Of every coordinator of this host on that bus, by its name in small letters; those whose files can be read."""
+    found: dict[str, Setup] = {}
     for process in processes:
-        if not same_bus(process.lcm_url, url):
-            continue
         config = process.option("--config")
-        if config is None:
+        if config is None or not same_bus(process.lcm_url, url):
             continue
         try:
             setup = load_setup(process.folder / config, process.option("--name"), process.option("--source"))
         except (ConfigError, OSError, ValueError):
             continue
-        if setup.name.lower() == robot.lower():
-            return setup
-    return None
+        found.setdefault(setup.name.lower(), setup)
+    return found
+
+
+def find_setup(robot: str, url: str, processes: list[Process]) -> Setup | None:
+    """Of the running coordinator of that name on that bus; None if there is none, or its files cannot be read here."""
+    return setups_here(url, processes).get(robot.lower())
