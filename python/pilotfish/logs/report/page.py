@@ -128,13 +128,9 @@ def _date(utime: int) -> str:
 
 
 def _troubles(run: Run) -> list[str]:
-    troubles = [
-        f"{damage.file.name}: {damage.size} bytes that are no events, "
-        + ("it ends in the middle of an event" if damage.at_end else f"at byte {damage.offset}")
-        for damage in run.damage[:10]
-    ]
-    if len(run.damage) > 10:
-        troubles.append(f"{len(run.damage) - 10} more damaged places")
+    troubles = list(run.losses[:10])
+    if len(run.losses) > 10:
+        troubles.append(f"{len(run.losses) - 10} more damaged places")
     if run.unreadable:
         troubles.append(f"{run.unreadable} events that are no messages of this version of Pilotfish")
     return troubles
