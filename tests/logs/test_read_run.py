@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from recordings import LOST, NO_FRAME, PERIOD_US, TRACKING, WALL_US, Writer, event
 
-from pilotfish import core
 from pilotfish.black_box.log import Damage, Event, events_in
 from pilotfish.errors import MissingFileError, RecordingError
 from pilotfish.lcmtypes.bot_core import pose_t
@@ -18,7 +17,6 @@ from pilotfish.lcmtypes.pilotfish import base_t, box_start_t, motion_t, observat
 from pilotfish.logs import read_run, rows_in
 
 PERIOD_S = PERIOD_US * 1e-6
-FRAME_STALE = int(core.Reason.frame_stale)
 
 
 def said(run, kind):
@@ -118,58 +116,6 @@ def test_the_first_command_that_names_a_frame_answers_it(tmp_path):
     writer.write("OBSERVATION", writer.observation(1.0))
     writer.write("STATUS", writer.status(1.0))
     assert read_run(writer.file).robots["robot1"].frames["command_linear_mps"].tolist() == [0.4]
-
-
-def step_of(writer, sequence, linear_mps):
-    """The core's call for the frame: it decides to drive."""
-    step = step_t()
-    step.sequence, step.kind, step.utime, step.now_us = sequence, step_t.KIND_FRAME, writer.stamp_us, writer.stamp_us
-    step.status, step.command_linear_mps = TRACKING, linear_mps
-    return step
-
-
-def test_what_left_counts_and_not_what_the_core_had_decided(tmp_path):
-    """A busy computer: the answer to the second frame comes too late, and a zero leaves in its place. The bus knows the
-    zero only, the black box both; either recording tells the same."""
-    runs = {}
-    for kind in ("box", "bus"):
-        (tmp_path / kind).mkdir()
-        writer = Writer(tmp_path / kind / "run.log")
-        for k in range(3):
-            late = k == 1
-            if kind == "box":
-                writer.write("STEP", step_of(writer, k, 0.2))
-            status, reason = (LOST, FRAME_STALE) if late else (TRACKING, 0)
-            writer.command(status, reason, linear_mps=0.0 if late else 0.2)
-            writer.write("OBSERVATION", writer.observation(1.0))
-            message = writer.status(1.0, reason=reason)
-            message.status = status
-            writer.write("STATUS", message)
-            writer.passes()
-        runs[kind] = read_run(writer.file).robots["robot1"].frames
-    for frames in runs.values():
-        assert frames["command_linear_mps"].tolist() == [0.2, 0.0, 0.2]
-        assert frames.words("status").tolist() == ["tracking", "lost", "tracking"]
-        assert frames.words("reason").tolist() == ["none", "frame_stale", "none"]
-
-
-def test_a_repeated_command_does_not_answer_a_frame_whose_own_was_not_heard(tmp_path):
-    """UDP lost the answer; what is sent between frames has the stamp, too, and says that no frame came."""
-    writer = Writer(tmp_path / "run.log")
-    writer.write("OBSERVATION", writer.observation(1.0))
-    writer.write("STATUS", writer.status(1.0))
-    writer.wall_us += 50_000
-    writer.command(LOST, NO_FRAME, linear_mps=0.0)
-    frames = read_run(writer.file).robots["robot1"].frames
-    assert np.isnan(frames["command_linear_mps"]).tolist() == [True]
-
-
-def test_a_status_that_was_not_heard_is_that_of_the_answer(tmp_path):
-    writer = Writer(tmp_path / "run.log")
-    writer.command(TRACKING, linear_mps=0.2)
-    writer.write("OBSERVATION", writer.observation(1.0))
-    frames = read_run(writer.file).robots["robot1"].frames
-    assert frames.words("status").tolist() == ["tracking"]
 
 
 def test_reports_between_frames_are_no_frames(tmp_path):

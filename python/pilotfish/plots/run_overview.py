@@ -25,8 +25,8 @@ _PANELS: tuple[tuple[str, Callable[[Table], FloatArray]], ...] = (
     ("distance error\ne = $d_p$ - d [mm]", lambda frames: 1e3 * frames["error_m"]),
     (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda frames: rms_error_mm(frames)),
     ("bearing error\nθ - $θ_{pd}$ [°]", lambda frames: np.degrees(bearing_error_rad(frames))),
-    ("command\n[m/s]", lambda frames: frames["command_linear_mps"]),
-    ("command\n[°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
+    ("command:\nspeed [m/s]", lambda frames: frames["command_linear_mps"]),
+    ("command:\nturn rate [°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
     ("latency [ms]", lambda frames: 1e3 * frames["latency_s"]),
 )
 
@@ -63,7 +63,7 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         panels[1].set_ylim(*_limits_mm([rms_error_mm(run.frames) for run in runs.values()]))
         logarithmic_mm(panels[1])
         panels[-1].set_ylim(bottom=0.0)
-        panels[-1].set_xlabel("time [s]")
+        panels[-1].set_xlabel(f"time since {'the first picture' if len(runs) > 1 else 'the recording began'} [s]")
         panels[-1].set_xlim(begin_s, end_s)
         handles = [Patch(color=colour, label=status) for status, colour in _shown(runs, end_s).items()]
         if len(runs) > 1:
