@@ -30,7 +30,7 @@ def doctor(url, *arguments, robot="robot1", seconds=2):
 
 
 def names(said):
-    """Without the load of the computer that the tests run on: where it keeps the robot from following, that is true, and
+    """Without the load of the computer that the tests run on: where that keeps the robot from following, it is true and
     not what is asked here (tests/doctor/test_following_fresh_and_busy.py does)."""
     return [cause["name"] for cause in said["causes"] if cause["name"] != "overloaded"]
 
