@@ -7,7 +7,7 @@ import os
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -166,6 +166,14 @@ def print_whole(table: Table, width: int) -> None:
 def warn(message: str) -> None:
     """One line on stderr about something that worked, but not as well as it could."""
     _errors.print(f"[yellow]warning:[/] {escape(message)}", soft_wrap=True)
+
+
+def warn_of_losses(texts: Sequence[str], most: int = 3) -> None:
+    """What a damaged recording has cost, a line each; how many more there are."""
+    for text in texts[:most]:
+        warn(text)
+    if len(texts) > most:
+        warn(f"and {len(texts) - most} more damaged places; pilotfish report names them")
 
 
 def check_writable(file: Path) -> None:

@@ -9,7 +9,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from pilotfish.doctor.following import Cause, Diagnosis, Evidence
-from pilotfish.doctor.following.evidence import Numbers, reason_text
+from pilotfish.doctor.following.evidence import Numbers
+from pilotfish.reason_words import reason_text
 
 _MOST_COUNTERS = 8
 
@@ -25,7 +26,7 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console, width: int) -> None:
         table = Table.grid(padding=(0, 2))
         table.add_column(width=16)
         table.add_column(overflow="fold")
-        for name, text in figures(diagnosis.evidence):
+        for name, text in [*figures(diagnosis.evidence), *_computer(diagnosis)]:
             table.add_row(f"[dim]{name}[/]", escape(text))
         console.print()
         console.print(table, width=width)
@@ -63,6 +64,11 @@ def figures(seen: Evidence) -> list[tuple[str, str]]:
     if seen.missed_deadlines:
         rows.append(("missed deadlines", str(seen.missed_deadlines)))
     return [(name, text) for name, text in rows if text]
+
+
+def _computer(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Its load; nothing of a coordinator on another computer."""
+    return [("its computer", str(diagnosis.machine))] if diagnosis.machine else []
 
 
 def _shares(shares: dict[str, float]) -> str:

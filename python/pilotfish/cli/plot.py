@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, friendly_errors, progress, tell
+from pilotfish.cli.console import byte_progress, friendly_errors, progress, tell, warn_of_losses
 from pilotfish.cli.options import between, writable_folder
 from pilotfish.errors import ConfigError
 
@@ -104,6 +104,7 @@ def _draw_log(file: Path, out: Path, robot: str | None, suffix: str, dark: bool)
 
     with byte_progress("reading") as step:
         run = read_run(file, robot, step)
+    warn_of_losses(run.losses)
     coordinators = run.recorded_coordinators()
     theme, name = DARK if dark else LIGHT, file.resolve().name if file.is_dir() else file.stem
     written: list[Path] = []

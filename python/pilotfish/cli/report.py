@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, tell, warn, working
+from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, tell, warn_of_losses, working
 
 if TYPE_CHECKING:
     from pilotfish.logs import Run
@@ -53,8 +53,7 @@ def report(
         with written_whole(out) as partial:
             partial.write_text(text, encoding="utf-8")
         for recording in recordings:
-            if recording.damage:
-                warn(f"{recording.path}: {len(recording.damage)} damaged places; the page names them")
+            warn_of_losses(recording.losses)
         tell(f"wrote {out} ({len(text) / 1e6:.1f} MB)")
 
 

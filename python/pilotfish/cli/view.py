@@ -30,7 +30,8 @@ def view(
         typer.Option(
             "--config",
             dir_okay=False,
-            help="The coordinator's configuration: its calibration draws the axes, its limits and ids are named.",
+            help="The coordinator's configuration: its calibration draws the axes, its limits and ids are named. "
+            "Default: that of the coordinator if it runs on this computer already.",
         ),
     ] = None,
     fuzzy: Annotated[
@@ -146,7 +147,7 @@ def _bus_hub(
     from pilotfish.view.commands import Commander
     from pilotfish.view.hub import BusHub
     from pilotfish.view.listener import resolve_url
-    from pilotfish.view.setup import default_setup, load_setup
+    from pilotfish.view.setup import default_setup, load_setup, running_setups
 
     setup = default_setup(fuzzy) if config is None else load_setup(config, fuzzy)
     if key is not None:
@@ -160,7 +161,10 @@ def _bus_hub(
         except ConfigError as error:
             raise typer.BadParameter(str(error)) from None
     url = resolve_url(lcm_url)
-    return BusHub(url, robot, setup), setup, Commander(url, key)
+    setups = {} if config is not None else running_setups(url, fuzzy)
+    # The page has one law: the named robot's, or that of the only one there is.
+    law = setups.get(robot.lower()) if robot else next(iter(setups.values())) if len(setups) == 1 else None
+    return BusHub(url, robot, setup, setups), law or setup, Commander(url, key)
 
 
 def _camera_hub(
