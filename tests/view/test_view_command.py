@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 
 import pytest
 from typer.testing import CliRunner
@@ -68,6 +69,18 @@ def test_ctrl_c_ends_it_quietly(tmp_path, url):  # and SIGTERM every other serve
         server.child.process.send_signal(signal.SIGINT)
         assert server.child.process.wait(10) == 0
         assert server.child.stderr() == ""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("repeats", [2, 20])
+def test_asked_again_while_it_ends_it_ends_as_quietly(tmp_path, url, number, repeats):
+    """A finger that bounces, or a shell and a supervisor that both ask: within a few milliseconds."""
+    with serving(tmp_path, "--lcm-url", url) as server:
+        for _ in range(repeats):
+            server.child.process.send_signal(number)
+            time.sleep(0.002)
+        code = server.child.process.wait(10)
+        assert (code, server.child.stderr()) == (0, "")
 
 
 def test_a_missing_package_is_named_with_the_command_that_installs_it(tmp_path):

@@ -19,6 +19,7 @@ from pilotfish.view.gate import Gate
 _BACKLOG = 512  # waiting to be accepted; beyond it the kernel lets a newcomer wait for a second or more
 _GRACE_S = 1
 _MAX_MESSAGE_BYTES = 1024  # from a page: acknowledgements
+_ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 def open_socket(host: str, port: int) -> socket.socket:
@@ -79,17 +80,21 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
         loop = asyncio.get_running_loop()
 
         def end() -> None:
-            server.force_exit = server.should_exit  # asked twice: at once
+            server.force_exit = server.should_exit  # asked twice: without waiting for what is still being answered
             server.should_exit = True
 
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in _ENDING:
             loop.add_signal_handler(number, end)
         logging.getLogger("uvicorn.error").addFilter(_is_no_cancellation)
-        await server._serve(
-            [listening]
-        )  # without uvicorn's own handling of signals, which raises them again at the end
+        await server._serve([listening])  # without uvicorn's own handling of signals, which raises them again
+        await server.lifespan.shutdown()  # left out by uvicorn if it is forced; if it was not, this does nothing
 
-    asyncio.run(run())
+    before = {number: signal.getsignal(number) for number in _ENDING}
+    try:
+        asyncio.run(run())
+    finally:
+        for number, handler in before.items():  # which the loop replaces by Python's own
+            signal.signal(number, handler)
 
 
 def _is_no_cancellation(record: logging.LogRecord) -> bool:
