@@ -1,5 +1,5 @@
-"""How Ctrl-C and SIGTERM end a command: with one exit code, no traceback, and what was begun cleaned up. Imports nothing
-large: it is there before everything else.
+"""How Ctrl-C and SIGTERM end a command: with one exit code, no traceback, and what was begun cleaned up. Imports
+nothing large: it is there before everything else.
 
 While a command works, the first one raises KeyboardInterrupt in the main thread. What comes within BOUNCE_S after it,
 from a finger that bounces, or from a shell and a supervisor that both ask, is the same wish: it must not break into the
@@ -13,6 +13,8 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell says it
@@ -60,3 +62,14 @@ class Interrupts:
     def _handle_again(self, _number: int, _frame: Any) -> None:
         if self.working:
             raise KeyboardInterrupt
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Processes that the calling thread starts within hear no Ctrl-C, which a terminal sends to all of a command: their
+    parent is to act on it. One that comes meanwhile is acted on afterwards."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

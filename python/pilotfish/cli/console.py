@@ -168,19 +168,6 @@ def warn(message: str) -> None:
     _errors.print(f"[yellow]warning:[/] {escape(message)}", soft_wrap=True)
 
 
-def check_writable(file: Path) -> None:
-    """OSError if ``file`` cannot be written, before hours are spent on what is to stand there. Creates nothing."""
-    if file.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(file))
-    there = file if os.path.lexists(file) else file.parent
-    while not os.path.lexists(there):
-        there = there.parent
-    if there != file and not there.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(there))
-    if not os.access(there, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(there))
-
-
 @contextmanager
 def friendly_errors() -> Iterator[None]:
     """One message that says what to do, and the error's exit code, instead of a traceback. Our own mistakes

@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import OnProgress, byte_progress, check_writable, friendly_errors, tell
-from pilotfish.whole_files import check_not_among
+from pilotfish.cli.console import OnProgress, byte_progress, friendly_errors
+from pilotfish.cli.outputs import output_file
 
 
 class ExportFormat(str, Enum):
@@ -72,8 +72,7 @@ def export(
     with friendly_errors():
         kind = _kind(to, out)
         _check_options(kind, table, images, overlay)
-        check_writable(out)
-        check_not_among(out, _files_of(log))
+        target = output_file(out, _files_of(log))
         with byte_progress("exporting") as step:
             if kind is ExportFormat.mp4:
                 count = _export_mp4(log, out, robot, overlay, step)
@@ -82,7 +81,7 @@ def export(
         what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames", "rrd": "frames and images"}[
             kind.value
         ]
-        tell(f"wrote {out}: {count} {what}")
+        target.wrote(f"{count} {what}")
 
 
 def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:

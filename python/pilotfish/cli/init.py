@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import friendly_errors, tell, tell_next, warn
-from pilotfish.cli.options import writable_folder
+from pilotfish.cli.outputs import writable_folder
 
 
 def init(
