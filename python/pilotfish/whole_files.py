@@ -62,7 +62,7 @@ def _named(file: Path, partial: Path) -> Iterator[None]:
         yield
     except OSError as error:
         if error.errno is not None and error.filename in (None, str(partial), os.fsencode(partial)):
-            error.filename = str(file)
+            raise OSError(error.errno, error.strerror, str(file)) from error
         raise
 
 

@@ -116,13 +116,13 @@ def test_a_configuration_adds_its_name_and_its_camera():
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["--config", "nowhere.yaml"], 78, "nowhere.yaml"),
+        (["--config", "nowhere.yaml"], 66, "nowhere.yaml"),
         (["--seconds", "5"], 64, "--following"),
         (["--following", "robot1", "--seconds", "nan"], 64, "1 to 3600"),
         (["--following", "robot1", "--seconds", "0"], 64, "1 to 3600"),
         (["--following", "a b"], 64, "1 to 32 letters"),
         (["--following", "robot1", "--lcm-url", "nonsense"], 69, "cannot be opened"),
-        (["--following", "robot1", "--config", "nowhere.yaml"], 78, "nowhere.yaml"),
+        (["--following", "robot1", "--config", "nowhere.yaml"], 66, "nowhere.yaml"),
     ],
 )
 def test_a_wrong_command_line_ends_in_words(arguments, code, words):

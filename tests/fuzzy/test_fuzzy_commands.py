@@ -112,7 +112,6 @@ def test_convert_there_and_back_changes_nothing(controller, tmp_path):
     ("arguments", "wrong"),
     [
         (["convert", SHIPPED, "law.txt"], ".txt"),
-        (["show", "nowhere.yaml"], "nowhere.yaml"),
         (["explain", SHIPPED], "--e"),
         (["explain", SHIPPED, "--e", "0", "--width-error", "-1"], "--width-error"),
     ],

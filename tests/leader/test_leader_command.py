@@ -85,7 +85,7 @@ def test_a_file_that_cannot_be_used_ends_with_78_and_names_file_and_key(tmp_path
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["check", "nowhere.yaml"], 64, "nowhere.yaml"),
+        (["check", "nowhere.yaml"], 66, "nowhere.yaml"),
         (["check", THREE_FACES, "--config", CONFIG, "--camera", CALIBRATION], 64, "exclude each other"),
         (["check", THREE_FACES, "--config", CALIBRATION], 78, "sim_640x480.yaml"),
         (["check", THREE_FACES, "--camera", CONFIG], 78, "coordinator.yaml"),

@@ -56,7 +56,6 @@ def test_the_version_is_the_package_s():
         (["experiment", "line", "--profile", "clairvoyant"], "clairvoyant"),
         (["experiment", "line", "--duration-s", "-1"], "--duration-s"),
         (["render", "line"], "--out"),
-        (["plot", "nowhere.csv"], "nowhere.csv"),
         (["plot", __file__], ".py"),
     ],
 )

@@ -36,7 +36,9 @@ def mounting(
     tag_size: TagSizesOption,
     straight: Annotated[
         Path | None,
-        typer.Option(help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."),
+        typer.Option(
+            exists=True, help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."
+        ),
     ] = None,
     turn_only: Annotated[
         bool, typer.Option("--turn-only", help="SOURCE is a turn without a drive: pan cannot be seen, see --pan-deg.")

@@ -32,6 +32,7 @@ def doctor(
         Path | None,
         typer.Option(
             "--config",
+            exists=True,
             dir_okay=False,
             help="The coordinator's configuration: its camera is measured, and its leader's ids are compared.",
         ),

@@ -58,7 +58,9 @@ Examples
 """,
 )
 
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="The campaign (see --describe).")]
+FileArgument = Annotated[
+    Path, typer.Argument(metavar="FILE", exists=True, dir_okay=False, help="The campaign (see --describe).")
+]
 
 
 def _print_description(wanted: bool) -> None:

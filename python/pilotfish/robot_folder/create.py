@@ -88,7 +88,7 @@ def _full_disk_named(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         if error.errno is not None:
-            error.filename, error.filename2 = str(folder), None
+            raise OSError(error.errno, error.strerror, str(folder)) from error
         raise
 
 
