@@ -28,7 +28,11 @@ CASES = {
     "a tag without a size": (["--camera", "0", "--tag-size", "0"], 64, "0.005 to 5"),
     "a size that is no number": (["--camera", "0", "--tag-size", "nan"], 64, "0.005 to 5"),
     "a robot and a camera": (["robot1", "--camera", "0", "--tag-size", "0.1"], 64, "without a robot"),
-    "two lenses": (["--camera", "0", "--tag-size", "0.1", "--fov-deg", "60", "--camera-file", CALIBRATION], 64, "--fov-deg"),
+    "two lenses": (
+        ["--camera", "0", "--tag-size", "0.1", "--fov-deg", "60", "--camera-file", CALIBRATION],
+        64,
+        "--fov-deg",
+    ),
     "a lens without a camera": (["--fov-deg", "60"], 64, "say --camera"),
     "a port that is none": (["--port", "70000"], 64, "65535"),
     "a name that is none": (["robot 1"], 64, "letters, digits"),
