@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pilotfish.interrupts import Interrupts
+from pilotfish.interrupts import Interrupts, is_of_interrupt
 
 
 def main() -> None:
@@ -17,12 +17,14 @@ def main() -> None:
             run()
         finally:
             interrupts.working = False
-    except KeyboardInterrupt:
-        raise SystemExit(interrupts.exit_code()) from None
     except SystemExit as end:
         if isinstance(end.code, int):
             end.code = interrupts.exit_code(end.code)
         raise
+    except BaseException as error:
+        if not is_of_interrupt(error):
+            raise
+        raise SystemExit(interrupts.exit_code()) from None
 
 
 if __name__ == "__main__":

@@ -13,9 +13,6 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
 
 INTERRUPTED = 130  # 128 + SIGINT, as a shell says it
 BOUNCE_S = 0.5
@@ -41,9 +38,12 @@ class Interrupts:
 
     def exit_code(self, code: int = INTERRUPTED) -> int:
         """The command's code; if it says that it was interrupted, then by which signal."""
+        # Else Python ends itself by SIGINT if the exception has passed an exec() of a text, as when a dataclass is made:
+        # "unhandled" it calls that, until the next text is run.
+        exec("")
         return 128 + self._number if code == INTERRUPTED and self._number else code
 
-    def _handle(self, number: int, _frame: Any) -> None:
+    def _handle(self, number: int, _frame: object) -> None:
         if not self.working:
             os._exit(128 + number)
         now_s = time.monotonic()
@@ -51,7 +51,7 @@ class Interrupts:
             self._number, self._last_s = number, now_s
             raise KeyboardInterrupt
 
-    def _raise_later(self, unraisable: Any) -> None:
+    def _raise_later(self, unraisable: sys.UnraisableHookArgs) -> None:
         """A handler runs between any two instructions, also where Python can raise nothing, as in a destructor: there
         KeyboardInterrupt would be printed with its traceback, and lost."""
         if issubclass(unraisable.exc_type, KeyboardInterrupt):
@@ -59,17 +59,16 @@ class Interrupts:
         else:
             self._otherwise(unraisable)
 
-    def _handle_again(self, _number: int, _frame: Any) -> None:
+    def _handle_again(self, _number: int, _frame: object) -> None:
         if self.working:
             raise KeyboardInterrupt
 
 
-@contextmanager
-def deaf_children() -> Iterator[None]:
-    """Processes that the calling thread starts within hear no Ctrl-C, which a terminal sends to all of a command: their
-    parent is to act on it. One that comes meanwhile is acted on afterwards."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+def is_of_interrupt(error: BaseException | None) -> bool:
+    """Whether KeyboardInterrupt is what ``error`` comes from: a module of C++ that is being imported makes an
+    ImportError of it."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False

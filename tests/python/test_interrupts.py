@@ -71,6 +71,41 @@ def test_an_interrupt_where_python_can_raise_nothing_still_ends_the_command():
         assert outcome(process) == (130, "", "")
 
 
+def test_what_a_module_of_c_plus_plus_makes_of_an_interrupt_is_no_traceback():
+    """pybind11 raises ImportError from whatever ends the import of a module."""
+    command = "try:\n  print('begun', flush=True); time.sleep(60)\n"
+    command += "except KeyboardInterrupt as error:\n  raise ImportError('initialization failed') from error"
+    with running(command) as process:
+        process.send_signal(signal.SIGINT)
+        assert outcome(process) == (130, "", "")
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupt_within_a_text_that_is_run_ends_it_with_the_same_code(number, code):
+    """Then Python 3.11 would end the process by SIGINT, whichever signal it was."""
+    with running("exec('print(\\'begun\\', flush=True); import time; time.sleep(60)')") as process:
+        process.send_signal(number)
+        assert outcome(process) == (code, "", "")
+
+
+def test_an_error_of_its_own_after_an_interrupt_keeps_its_traceback():
+    command = "try:\n  print('begun', flush=True); time.sleep(60)\nexcept KeyboardInterrupt:\n  pass\n"
+    command += "raise ValueError('our own mistake')"
+    with running(command) as process:
+        process.send_signal(signal.SIGINT)
+        code, _, stderr = outcome(process)
+        assert code == 1
+        assert "ValueError: our own mistake" in stderr
+
+
+def test_nothing_large_is_imported_before_the_handlers_are_there():
+    """Until then Ctrl-C prints a traceback: a fifth of a second, when typing and pkgutil were imported first."""
+    script = "import sys, pilotfish.interrupts; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-S", "-c", script], capture_output=True, text=True, timeout=60, check=True)
+    large = {"typing", "pkgutil", "re", "contextlib", "pathlib", "importlib.util", "typer", "rich", "numpy"}
+    assert large.isdisjoint(done.stdout.split())
+
+
 def test_an_interrupt_after_the_end_prints_nothing():
     """While Python waits for a thread that is left."""
     command = "import threading\nmain = threading.main_thread()\n"
@@ -86,7 +121,7 @@ def test_an_interrupt_after_the_end_prints_nothing():
 def test_a_child_that_is_started_deaf_hears_no_interrupt_and_its_parent_loses_none():
     """A terminal sends Ctrl-C to all processes of a command: one of them is to act on it."""
     deaf = "import signal; print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))"
-    command = "import os, subprocess\nfrom pilotfish.interrupts import deaf_children\nprint('begun', flush=True)\n"
+    command = "import os, subprocess\nfrom pilotfish.deaf_children import deaf_children\nprint('begun', flush=True)\n"
     command += "with deaf_children():\n  os.kill(os.getpid(), signal.SIGINT)\n"
     command += f"  print('deaf:', subprocess.check_output([sys.executable, '-c', {deaf!r}], text=True), end='')\n"
     command += "print('never said')"

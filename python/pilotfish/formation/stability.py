@@ -25,12 +25,12 @@ from typing import Any
 
 import numpy as np
 
+from pilotfish.deaf_children import deaf_children
 from pilotfish.errors import ConfigError
 from pilotfish.formation.chain import chain_of, drive_chain
 from pilotfish.formation.relay import Network
 from pilotfish.formation.response import StepResponse, fit_sine, step_response
 from pilotfish.harness.run import OnProgress
-from pilotfish.interrupts import deaf_children
 from pilotfish.recording import FloatArray
 
 LAWS = ("paper", "anticipate", "pid", "pbvs")
