@@ -38,8 +38,8 @@ class Interrupts:
 
     def exit_code(self, code: int = INTERRUPTED) -> int:
         """The command's code; if it says that it was interrupted, then by which signal."""
-        # Else Python ends itself by SIGINT if the exception has passed an exec() of a text, as when a dataclass is made:
-        # "unhandled" it calls that, until the next text is run.
+        # Else `python -m` ends itself by SIGINT if the exception has passed an exec() of a text, as when a dataclass is
+        # made: it counts as unhandled until the next text is run.
         exec("")
         return 128 + self._number if code == INTERRUPTED and self._number else code
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -24,11 +25,18 @@ main()
 
 
 @contextmanager
-def running(command):
-    """``pilotfish`` with a command of one's own, once it has said "begun"."""
+def running(command, folder=None):
+    """``pilotfish`` with a command of one's own, once it has said "begun"; as a module in ``folder``, if there is one."""
     script = BEGIN.format(command="\n".join(f"    {line}" for line in command.splitlines()))
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen([sys.executable, "-c", script], **pipes) as process:
+    words = ["-c", script]
+    if folder is not None:
+        (folder / "as_module.py").write_text(script)
+        words, pipes["env"] = (
+            ["-m", "as_module"],
+            os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), *sys.path])},
+        )
+    with subprocess.Popen([sys.executable, *words], **pipes) as process:
         try:
             assert process.stdout.readline() == "begun\n"
             yield process
@@ -81,9 +89,9 @@ def test_what_a_module_of_c_plus_plus_makes_of_an_interrupt_is_no_traceback():
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupt_within_a_text_that_is_run_ends_it_with_the_same_code(number, code):
-    """Then Python 3.11 would end the process by SIGINT, whichever signal it was."""
-    with running("exec('print(\\'begun\\', flush=True); import time; time.sleep(60)')") as process:
+def test_an_interrupt_within_a_text_that_is_run_ends_it_with_the_same_code(tmp_path, number, code):
+    """Then `python -m` would end itself by SIGINT, whichever signal it was."""
+    with running("exec('print(\\'begun\\', flush=True); import time; time.sleep(60)')", tmp_path) as process:
         process.send_signal(number)
         assert outcome(process) == (code, "", "")
 
