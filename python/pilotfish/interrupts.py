@@ -9,6 +9,7 @@ is". Before and after the work there is nothing to clean up, and the process end
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
@@ -32,6 +33,7 @@ class Interrupts:
         for number, default in _DEFAULTS.items():
             if signal.getsignal(number) is default:
                 signal.signal(number, self._handle)
+                atexit.register(signal.signal, number, signal.SIG_IGN)  # the last of all: nothing is left to be ended
         self._otherwise = sys.unraisablehook
         sys.unraisablehook = self._raise_later
         signal.signal(signal.SIGALRM, self._handle_again)

@@ -26,7 +26,7 @@ main()
 
 @contextmanager
 def running(command, folder=None):
-    """``pilotfish`` with a command of one's own, once it has said "begun"; as a module in ``folder``, if there is one."""
+    """``pilotfish`` with a command of one's own, once it has said "begun"; with a folder, as a module in it."""
     script = BEGIN.format(command="\n".join(f"    {line}" for line in command.splitlines()))
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     words = ["-c", script]
@@ -124,6 +124,16 @@ def test_an_interrupt_after_the_end_prints_nothing():
     with running(command) as process:
         process.send_signal(signal.SIGINT)
         assert outcome(process) == (130, "", "")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_comes_while_python_is_taken_down_changes_nothing(number):
+    """Its handlers are gone by then, and the system's would end it: the code of a command that is done is its own."""
+    command = "import os\nclass Late:\n  def __del__(self, write=os.write, read=os.read):\n"
+    command += "    write(1, b'begun\\n'); read(0, 1)\nsys.late = Late()"
+    with running(command) as process:
+        process.send_signal(number)
+        assert outcome(process) == (0, "", "")
 
 
 def test_a_child_that_is_started_deaf_hears_no_interrupt_and_its_parent_loses_none():
