@@ -70,7 +70,7 @@ def identify(
     """
     with friendly_errors():
         picture = output_picture(plot, "--plot") if plot else None
-        target = output_file(output) if output else None
+        target = output_file(output, [log]) if output else None
         from pilotfish.identify import as_yaml, evidence_of, fit_drive, verdicts_of
         from pilotfish.identify.fit import STRAYING_M_PER_SQRT_S
         from pilotfish.identify.verdicts import settings_numbers

@@ -116,7 +116,7 @@ def learn_body(
 
     sizes = tag_sizes(tag_size)
     with friendly_errors():
-        target = output_file(output, [video, camera])
+        target = output_file(output, [video, camera, *([reference_leader] if reference_leader else [])])
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before the video is opened
