@@ -6,20 +6,19 @@ import asyncio
 import contextlib
 import errno
 import logging
-import signal
 import socket
 from collections.abc import Callable
 from typing import Any
 
 from pilotfish.errors import SilentRobotError
 from pilotfish.extras import require
+from pilotfish.loop_signals import run_until_signal
 from pilotfish.view.descriptors import limits
 from pilotfish.view.gate import Gate
 
 _BACKLOG = 512  # waiting to be accepted; beyond it the kernel lets a newcomer wait for a second or more
 _GRACE_S = 1
 _MAX_MESSAGE_BYTES = 1024  # from a page: acknowledgements
-_ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 def open_socket(host: str, port: int) -> socket.socket:
@@ -75,26 +74,18 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
                 self.servers.append(gate)
                 on_ready()
 
+    server = Server(config)
+
+    def end(_number: int) -> None:
+        server.force_exit = server.should_exit  # asked twice: without waiting for what is still being answered
+        server.should_exit = True
+
     async def run() -> None:
-        server = Server(config)
-        loop = asyncio.get_running_loop()
-
-        def end() -> None:
-            server.force_exit = server.should_exit  # asked twice: without waiting for what is still being answered
-            server.should_exit = True
-
-        for number in _ENDING:
-            loop.add_signal_handler(number, end)
         logging.getLogger("uvicorn.error").addFilter(_is_no_cancellation)
         await server._serve([listening])  # without uvicorn's own handling of signals, which raises them again
         await server.lifespan.shutdown()  # left out by uvicorn if it is forced; if it was not, this does nothing
 
-    before = {number: signal.getsignal(number) for number in _ENDING}
-    try:
-        asyncio.run(run())
-    finally:
-        for number, handler in before.items():  # which the loop replaces by Python's own
-            signal.signal(number, handler)
+    run_until_signal(run, end)
 
 
 def _is_no_cancellation(record: logging.LogRecord) -> bool:
