@@ -159,8 +159,12 @@ def _below_a_file(path):
     return path / "deeper" / path.name
 
 
-WRITE = named(_directory, _full, _circle, _below_a_file)
-FOLDER = named(_empty, _full, _circle, _below_a_file)
+def _where_nobody_can(path):
+    return Path("/proc") / path.name
+
+
+WRITE = named(_directory, _full, _circle, _below_a_file, _where_nobody_can)
+FOLDER = named(_empty, _full, _circle, _below_a_file, _where_nobody_can)
 
 
 def cases():

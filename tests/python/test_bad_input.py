@@ -53,6 +53,9 @@ def test_bad_input_ends_with_a_line_and_its_exit_code(tmp_path, here, command, p
         # A box of typer's for the command line; else one line of ours.
         ours = [said_line for said_line in said.splitlines() if said_line.startswith("pilotfish: ")]
         assert result.exit_code in (1, 64) or len(ours) == 1, said
+    if wrong == "where_nobody_can":
+        assert result.exit_code == 74
+        assert re.search(r"pilotfish: /proc/wrong[.a-z0-9]*: nothing can be written in /proc", said), said
 
 
 def run_in_shell(words, shell):

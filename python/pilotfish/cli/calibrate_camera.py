@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, warn, working
-from pilotfish.cli.options import between, writable_folder
-from pilotfish.whole_files import check_not_among
+from pilotfish.cli.console import friendly_errors, progress, warn, working
+from pilotfish.cli.options import between
+from pilotfish.cli.outputs import OutputFolder, output_file, writable_folder
 
 if TYPE_CHECKING:
     from pilotfish.calibration.camera import BoardDetector, Found
@@ -101,9 +101,7 @@ def camera(
 
     width_height = _size(size)
     with friendly_errors():
-        if out:
-            check_writable(out)
-            check_not_among(out, [Path(source), Path(board)])
+        target = output_file(out, [Path(source), Path(board)]) if out else None
         the_board = calibration.board_of(board)
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)
@@ -116,14 +114,15 @@ def camera(
         if report:
             from pilotfish.calibration.camera.drawings import save_drawings
 
+            drawn = OutputFolder(report)
             for file in save_drawings(result, report):
-                tell(f"drew {file}")
+                drawn.wrote(file)
         bad = result.verdict.grade == calibration.AGAIN
-        if out and bad and not anyway:
-            warn(f"{out} was not written: calibrate again, or add --anyway")
-        elif out:
-            calibration.write_calibration(out, result.lens, remarks(source, the_board, result))
-            tell(f"wrote {out}")
+        if target and bad and not anyway:
+            warn(f"{target.file} was not written: calibrate again, or add --anyway")
+        elif target:
+            calibration.write_calibration(target.file, result.lens, remarks(source, the_board, result))
+            target.wrote()
     if bad:
         raise typer.Exit(BAD_CALIBRATION)
 

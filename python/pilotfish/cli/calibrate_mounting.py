@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell, working
+from pilotfish.cli.console import console, friendly_errors, progress, working
 from pilotfish.cli.learn_body import of_tag, tag_sizes
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
-from pilotfish.whole_files import check_not_among, write_whole
+from pilotfish.cli.outputs import output_file
+from pilotfish.whole_files import write_whole
 
 if TYPE_CHECKING:
     from pilotfish.calibration.body import Sightings, TagSizes
@@ -35,7 +36,9 @@ def mounting(
     tag_size: TagSizesOption,
     straight: Annotated[
         Path | None,
-        typer.Option(help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."),
+        typer.Option(
+            exists=True, help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."
+        ),
     ] = None,
     turn_only: Annotated[
         bool, typer.Option("--turn-only", help="SOURCE is a turn without a drive: pan cannot be seen, see --pan-deg.")
@@ -130,9 +133,8 @@ def mounting(
         raise typer.BadParameter("--straight is a film; with camera:N the drive follows the turn in the same run")
     height = HeightKnown(height_m, of_tag(height_of, "--height-of", allow_zero=True) if height_of else None)
     with friendly_errors():
-        if out:
-            check_writable(out)
-            check_not_among(out, [Path(source), camera, *([straight] if straight else [])])
+        inputs = [Path(source), camera, *([straight] if straight else [])]
+        target = output_file(out, inputs) if out else None
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before anything is opened
@@ -169,10 +171,9 @@ def mounting(
         print_mounting_report(result, scales)
         lines = mounting_lines(result)
         console.print(lines, markup=False, highlight=False, soft_wrap=True, end="")
-        if out:
-            out.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(out, lines)
-            tell(f"wrote {out}")
+        if target:
+            write_whole(target.file, lines)
+            target.wrote()
 
 
 def _live(

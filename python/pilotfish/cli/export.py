@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import OnProgress, byte_progress, check_writable, friendly_errors, tell, warn_of_losses
-from pilotfish.whole_files import check_not_among
+from pilotfish.cli.console import OnProgress, byte_progress, friendly_errors, warn_of_losses
+from pilotfish.cli.outputs import output_file
 
 if TYPE_CHECKING:
     from pilotfish.logs.notes import RunNotes
@@ -77,8 +77,7 @@ def export(
     with friendly_errors():
         kind = _kind(to, out)
         _check_options(kind, table, images, overlay)
-        check_writable(out)
-        check_not_among(out, _files_of(log))
+        target = output_file(out, _files_of(log))
         notes = RunNotes()
         with byte_progress("exporting") as step:
             if kind is ExportFormat.mp4:
@@ -89,7 +88,7 @@ def export(
         what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames", "rrd": "frames and images"}[
             kind.value
         ]
-        tell(f"wrote {out}: {count} {what}")
+        target.wrote(f"{count} {what}")
 
 
 def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next, working
+from pilotfish.cli.console import friendly_errors, progress, tell_next, working
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
+from pilotfish.cli.outputs import output_file
 
 if TYPE_CHECKING:
     from pilotfish.calibration.body import KnownTag, TagSizes, TurningCentre
@@ -115,7 +116,7 @@ def learn_body(
 
     sizes = tag_sizes(tag_size)
     with friendly_errors():
-        check_writable(output)
+        target = output_file(output, [video, camera, *([reference_leader] if reference_leader else [])])
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before the video is opened
@@ -146,7 +147,7 @@ def learn_body(
             )
         body_calibration.write_leader_body(output, learned.body, remarks(video.name, learned))
         print_report(collected, learned)
-        tell(f"wrote {output}")
+        target.wrote()
         tell_next("to look at it", "pilotfish", "leader", "show", output)
 
 

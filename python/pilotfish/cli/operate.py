@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 RobotArgument = Annotated[str, typer.Argument(help="The robot's name on the bus, e.g. robot1.")]
 UrlOption = Annotated[str, typer.Option("--lcm-url", help="LCM bus. Default: $LCM_DEFAULT_URL, else this host alone.")]
 KeyOption = Annotated[
-    Path | None, typer.Option("--key", dir_okay=False, help="The coordinator's key_file, if it has one.")
+    Path | None,
+    typer.Option("--key", exists=True, dir_okay=False, help="The coordinator's key_file, if it has one."),
 ]
 WithinOption = Annotated[float, typer.Option("--within-s", min=0.1, max=3600.0, help="How long to try.")]
 

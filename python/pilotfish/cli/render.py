@@ -10,7 +10,7 @@ import typer
 from pilotfish.cli.completing import shipped_scenarios
 from pilotfish.cli.console import friendly_errors, progress, tell
 from pilotfish.cli.driving_options import Profile, ProfileOption
-from pilotfish.cli.options import writable_folder
+from pilotfish.cli.outputs import writable_folder
 
 
 def render(
@@ -42,13 +42,14 @@ def render(
           --source images:out/line --lcm-url memq:// --json
     """
     from pilotfish.harness.scenario import Scenario
-    from pilotfish.harness.sequences import render_sequence
+    from pilotfish.harness.sequences import FRAMES_FILE, render_sequence
 
     with friendly_errors():
         loaded = Scenario.load(_scenario_file(scenario))
+        again = (out / FRAMES_FILE).exists()
         with progress(f"rendering {loaded.name}") as step:
             written = render_sequence(loaded, out, frames=frames, robot=robot, profile=profile.value, on_progress=step)
-        tell(f"wrote {written} pictures and frames.csv to {out}")
+        tell(f"wrote {written} pictures and {FRAMES_FILE} to {out}{' (replaced)' if again else ''}")
 
 
 def _scenario_file(name: str) -> Path:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next
+from pilotfish.cli.console import friendly_errors, progress, tell_next
 from pilotfish.cli.options import between
+from pilotfish.cli.outputs import Output, output_file
 from pilotfish.whole_files import check_same
 
 if TYPE_CHECKING:
@@ -189,13 +190,12 @@ def tags(
                 numbers, _size(size), family, border_cells, angle_deg, position, facing_deg, tilt_deg, leader
             )
             pdf = out or Path(f"{leader.stem}.pdf" if leader else "tags.pdf")
-            if leader is not None:
-                check_writable(leader)
-                if not replace:
-                    check_same(leader, leader_text(designed, _leader_remarks(pdf)), "--replace")
+            target = output_file(leader) if leader else None
+            if leader and not replace:
+                check_same(leader, leader_text(designed, _leader_remarks(pdf)), "--replace")
             _print_body(designed, sheet, border_cells, fold, pdf)
-            if leader is not None:
-                _write_leader(leader, designed, pdf)
+            if target:
+                _write_leader(target, designed, pdf)
         else:
             _print_tags(
                 _ids(ids or ""), _size(size), family or "tag36h11", sheet, border_cells, out or Path("tags.pdf")
@@ -332,12 +332,12 @@ def _print_board(board: Board, paper: Paper, out: Path, replace: bool) -> None:
 
     description = out.with_suffix(".yaml")
     pages = board_pages(board, paper)
-    check_writable(description)
+    target = output_file(description)
     if not replace:
         check_same(description, board_text(board), "--replace")
     _write(pages, out, board_title(board))
     write_board(board, description)
-    tell(f"wrote {description}")
+    target.wrote()
     command = ("pilotfish", "calibrate", "camera", "camera:0", "--board", description, "--out", "camera.yaml")
     tell_next("with the printed board", *command)
 
@@ -350,19 +350,19 @@ def _leader_remarks(pdf: Path) -> list[str]:
     ]
 
 
-def _write_leader(leader: Path, body: LeaderBody, pdf: Path) -> None:
+def _write_leader(leader: Output, body: LeaderBody, pdf: Path) -> None:
     from pilotfish.calibration.body import write_leader_body
 
-    write_leader_body(leader, body, _leader_remarks(pdf))
-    tell(f"wrote {leader}")
-    tell_next("to look at it", "pilotfish", "leader", "show", leader)
+    write_leader_body(leader.file, body, _leader_remarks(pdf))
+    leader.wrote()
+    tell_next("to look at it", "pilotfish", "leader", "show", leader.file)
 
 
 def _write(pages: list[Page], out: Path, what: str) -> None:
     from pilotfish.printing import write_pdf
 
-    check_writable(out)
+    target = output_file(out)
     with progress("drawing pages") as step:
         write_pdf(pages, out, title=what, on_page=step)
     count = f"{len(pages)} page{'s' if len(pages) > 1 else ''} of {pages[0].paper.name}"
-    tell(f"wrote {out}: {what} on {count}. Print it at 100 % and measure the bar.")
+    target.wrote(f"{what} on {count}. Print it at 100 % and measure the bar.")

@@ -29,6 +29,7 @@ def view(
         Path | None,
         typer.Option(
             "--config",
+            exists=True,
             dir_okay=False,
             help="The coordinator's configuration: its calibration draws the axes, its limits and ids are named. "
             "Default: that of the coordinator if it runs on this computer already.",
@@ -37,11 +38,17 @@ def view(
     fuzzy: Annotated[
         Path | None,
         typer.Option(
-            "--fuzzy", dir_okay=False, help="Fuzzy controller. Default: the configuration's, else as shipped."
+            "--fuzzy",
+            exists=True,
+            dir_okay=False,
+            help="Fuzzy controller. Default: the configuration's, else as shipped.",
         ),
     ] = None,
     key: Annotated[
-        Path | None, typer.Option("--key", dir_okay=False, help="The coordinator's key_file, for resume and setpoints.")
+        Path | None,
+        typer.Option(
+            "--key", exists=True, dir_okay=False, help="The coordinator's key_file, for resume and setpoints."
+        ),
     ] = None,
     camera: Annotated[
         str | None,
@@ -60,7 +67,9 @@ def view(
     ] = None,
     camera_file: Annotated[
         Path | None,
-        typer.Option("--camera-file", dir_okay=False, help="The camera's calibration (OpenCV YAML, ViSP XML)."),
+        typer.Option(
+            "--camera-file", exists=True, dir_okay=False, help="The camera's calibration (OpenCV YAML, ViSP XML)."
+        ),
     ] = None,
     fov_deg: Annotated[
         float | None,

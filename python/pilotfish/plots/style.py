@@ -30,6 +30,8 @@ import matplotlib as mpl
 from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
+from pilotfish.whole_files import written_whole
+
 # Okabe and Ito's palette.
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
     "#000000",
@@ -150,9 +152,9 @@ def style(theme: Theme = LIGHT) -> Iterator[None]:
 def save(figure: Figure, file: str | Path) -> Path:
     """Writes the figure (the suffix says the format) and returns where."""
     file = Path(file)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(_SETTINGS):
-        figure.savefig(file, dpi=DPI, metadata=_UNDATED.get(file.suffix[1:].lower()))
+    kind = file.suffix[1:].lower()
+    with written_whole(file) as partial, mpl.rc_context(_SETTINGS):
+        figure.savefig(partial, format=kind, dpi=DPI, metadata=_UNDATED.get(kind))
     return file
 
 

@@ -12,6 +12,7 @@ from typing import ClassVar
 from rich.text import Text
 from textual import work
 from textual.app import App, ComposeResult
+from textual.binding import Binding
 from textual.containers import VerticalScroll
 from textual.widgets import DataTable, Footer, Header, Static
 
@@ -46,6 +47,7 @@ class TopApp(App[None]):
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar = [
         ("q", "quit", "Quit"),
+        Binding("ctrl+c", "quit", show=False, priority=True),  # on a terminal whose keys are read it is no signal
         ("s", "stop", "Stop robot"),
         ("less_than_sign,comma", "sort(-1)", "Sort <"),
         ("greater_than_sign,full_stop", "sort(1)", "Sort >"),
