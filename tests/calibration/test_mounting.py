@@ -4,7 +4,7 @@ seen."""
 import numpy as np
 import pytest
 from driven_cameras import MOUNTING, ONE, WALL, error_of, ground, pictures_of, sightings_of, sizes_of, straight, turn
-from turning_bodies import CAMERA
+from turning_bodies import CAMERA, tag
 
 from pilotfish import core
 from pilotfish.calibration.body import collect_sightings
@@ -220,3 +220,17 @@ def test_the_derivatives_of_the_drive_are_those_of_its_residuals():
         step = rng.normal(0.0, 1e-5, bundle.unknowns)
         change = bundle.residuals(step) - bundle.residuals(-step)
         np.testing.assert_allclose(jacobian @ (2 * step), change, atol=2e-3 * np.abs(change).max())
+
+
+def test_a_tag_as_high_as_a_level_camera_has_its_drive_found_too():
+    """Both poses that a flat tag can be seen in are turned about the vertical against each other then: neither leans.
+    The corners say which is right, as they do in the turn."""
+    level = core.CameraMounting(position_m=[0.053, -0.003, 0.25], pan_rad=0.009)
+    wall = core.LeaderBody([tag(0, 0.16, [1.65, 0.0, 0.25], 155)])
+    places = turn(34) + straight(26)
+    for seed in range(3):
+        sightings = sightings_of(wall, places, sigma_px=0.01, seed=seed, mounting=level)
+        found = calibrate_mounting(sightings, CAMERA, phases=Phases(np.arange(60) < 34, np.arange(60) >= 34))
+        error = error_of(found.mounting, level)
+        assert np.abs(error[:2]).max() < 2e-3
+        assert np.abs(error[3:]).max() < np.radians(0.1)
