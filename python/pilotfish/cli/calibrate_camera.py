@@ -11,6 +11,7 @@ import typer
 
 from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, warn, working
 from pilotfish.cli.options import between, writable_folder
+from pilotfish.cli.truth_report import OFF_TRUTH, TruthOfCamera, print_differences
 from pilotfish.whole_files import check_not_among
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def camera(
         ),
     ] = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Write the file even if the verdict is 'do again'.")] = False,
+    truth: TruthOfCamera = None,
 ) -> None:
     """Calibrate a camera with a printed board: focal length, principal point, distortion, and what they are worth.
 
@@ -95,15 +97,24 @@ def camera(
           --out camera.yaml --report calibration
       pilotfish calibrate camera board.mp4 --board chessboard:9x7:25mm \\
           --every 5 --out camera.yaml
+
+    \b
+    Rehearsed without a camera
+      pilotfish render board --out pictures
+      pilotfish calibrate camera pictures --board charuco:8x6:30mm:22mm \\
+          --truth pictures/truth.yaml
     """
     from pilotfish.calibration import camera as calibration
+    from pilotfish.calibration.camera.calibration_file import check_readable
+    from pilotfish.calibration.rehearsal import board_middles, camera_differences, read_true_camera
     from pilotfish.cli.camera_report import print_camera_report, remarks
 
     width_height = _size(size)
     with friendly_errors():
         if out:
             check_writable(out)
-            check_not_among(out, [Path(source), Path(board)])
+            check_not_among(out, [Path(source), Path(board), *([truth] if truth else [])])
+        true_camera = read_true_camera(truth) if truth else None
         the_board = calibration.board_of(board)
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)
@@ -124,8 +135,16 @@ def camera(
         elif out:
             calibration.write_calibration(out, result.lens, remarks(source, the_board, result))
             tell(f"wrote {out}")
+        agrees = True
+        if truth and true_camera:
+            differences = camera_differences(
+                check_readable(result.lens), true_camera, board_middles(result, the_board), the_board
+            )
+            agrees = print_differences(differences, truth)
     if bad:
         raise typer.Exit(BAD_CALIBRATION)
+    if not agrees:
+        raise typer.Exit(OFF_TRUTH)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -73,9 +73,7 @@ def render_board(
             q = (row[0] * x + row[1] * y + row[2] * z) / w
             place = (q + np.float32(board.square_m)) * np.float32(per_m) - np.float32(0.5)
             maps.append(np.clip(np.nan_to_num(place, nan=_FAR_PX), -_FAR_PX, _FAR_PX).astype(np.float32))
-    fine = cv2.remap(
-        _page(board, square_px), *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=WALL
-    )
+    fine = cv2.remap(_page(board, square_px), *maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=WALL)
     fine[w <= 0] = WALL
     picture = fine.reshape(camera.height, n, camera.width, n).mean(axis=(1, 3))
     if flaws.blur_px:

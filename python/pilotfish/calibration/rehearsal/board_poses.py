@@ -28,8 +28,8 @@ def board_poses(
     share: float = 0.6,
     candidates: int = 1,
 ) -> list[BoardPose]:
-    """``count`` views: the board's middle anywhere in the middle ``spread`` of the picture, tilted by ``tilt_deg`` about
-    any axis across the line of sight, its width about ``share`` of the picture's.
+    """``count`` views: the board's middle anywhere in the middle ``spread`` of the picture, tilted by ``tilt_deg``
+    about any axis across the line of sight, its width about ``share`` of the picture's.
 
     Views that put a corner of the outline outside of the picture are drawn again: a chessboard has to be whole, of a
     ChArUco board a twentieth may be missing. Of several ``candidates`` the one is taken whose corners show most of what

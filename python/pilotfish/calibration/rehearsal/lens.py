@@ -62,7 +62,7 @@ def _fisheye_directions(camera: CameraModel, x_d: np.ndarray, y_d: np.ndarray) -
         theta = theta + radius - _bent(camera, theta)
     _check_inverted(np.abs(_bent(camera, theta) - radius).max(initial=0.0))
     if theta.max(initial=0.0) > np.pi:
-        raise ConfigError("camera: this fisheye would look behind itself: take a larger focal length, or a smaller size")
+        raise ConfigError("camera: this fisheye would look behind itself: take a narrower view (--fov-deg)")
     across = np.sin(theta) / np.maximum(radius, _TINY)
     return np.stack([x_d * across, y_d * across, np.cos(theta)], axis=-1)
 
