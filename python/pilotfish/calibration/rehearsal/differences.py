@@ -65,14 +65,14 @@ def camera_differences(
     for name in ("cx", "cy"):
         value, wanted = getattr(found, name), getattr(true, name)
         rows.append(Difference(name, value, wanted, "px", value - wanted, "px", CENTRE_PX))
-    rows.append(Difference("lens, RMS over the picture", None, None, "", lens_rms_px(found, true), "px", None))
+    rows.append(Difference("lens, RMS", None, None, "", lens_rms_px(found, true), "px", None))
     common = sorted(set(middles_c or {}) & set(truth.poses)) if board else []
     if common:
         middle = np.array([*board.size_m, 0.0]) / 2.0
         true_middles = np.array([pose.R @ middle + pose.t_m for pose in (truth.poses[name] for name in common)])
         off_m = np.array([middles_c[name] for name in common]) - true_middles
         rms_mm = 1e3 * math.sqrt(float((off_m**2).sum(axis=1).mean()))
-        rows.append(Difference(f"board's place, RMS of {len(common)} views", None, None, "", rms_mm, "mm", None))
+        rows.append(Difference("board's place, RMS", None, None, "", rms_mm, "mm", None))
     return rows
 
 

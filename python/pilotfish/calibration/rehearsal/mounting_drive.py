@@ -98,7 +98,9 @@ def drive_shots(
     wall = sim.RobotBody()
     wall.leader = drive.wall
     for k, (wMb, utime) in enumerate(zip(drive.places, drive.utime, strict=True)):
-        image = renderer.render([(wall, np.linalg.inv(wMb @ mounting.bMc))], seed=1_000_003 * seed + k)
+        heading_rad = math.atan2(wMb[1, 0], wMb[0, 0]) + mounting.pan_rad  # what is far away turns, too
+        cMw = np.linalg.inv(wMb @ mounting.bMc)
+        image = renderer.render([(wall, cMw)], camera_heading_rad=heading_rad, seed=1_000_003 * seed + k)
         yield Shot(utime, image)
 
 
