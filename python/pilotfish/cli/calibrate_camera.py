@@ -106,7 +106,7 @@ def camera(
     """
     from pilotfish.calibration import camera as calibration
     from pilotfish.calibration.camera.calibration_file import check_readable
-    from pilotfish.calibration.rehearsal import board_middles, camera_differences, read_true_camera
+    from pilotfish.calibration.rehearsal import board_middles, camera_differences, check_comparable, read_true_camera
     from pilotfish.cli.camera_report import print_camera_report, remarks
 
     width_height = _size(size)
@@ -119,6 +119,8 @@ def camera(
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)
         found = _look(pictures, detector, model.value, views, every)
+        if true_camera:
+            check_comparable(true_camera, found.size, model.value)
         if pictures.kind != calibration.FOLDER:
             calibration.check_film(found)
         with working("fitting") as say:

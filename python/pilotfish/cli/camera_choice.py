@@ -153,6 +153,9 @@ def _calibrated(file: Path | None) -> CameraModel:
 
 def _described(fov_deg: float, size: str, lens: str, distortion: str) -> CameraModel:
     """The principal point is in the middle; the focal length follows from half the width, distortion included."""
+    import numpy as np
+
+    from pilotfish.calibration.rehearsal.lens import directions
     from pilotfish.core import CameraModel, Lens
 
     width, height = _size(size)
@@ -167,14 +170,31 @@ def _described(fov_deg: float, size: str, lens: str, distortion: str) -> CameraM
     r2 = half * half if lens == "fisheye" else math.tan(half) ** 2
     radial = (k["k1"], k["k2"], k["k3"], k.get("k4", 0.0))
     bent = math.sqrt(r2) * (1.0 + sum(each * r2 ** (i + 1) for i, each in enumerate(radial)))
+    folds = typer.BadParameter(
+        f"--distortion: {distortion} folds a {lens}'s view of {fov_deg:g} degrees, so that two directions come to one "
+        "pixel: take smaller coefficients, or a smaller --fov-deg"
+    )
     if not bent > 0.0:
-        raise typer.BadParameter(
-            f"--distortion: {distortion} folds a view of {fov_deg:g} degrees: take smaller coefficients"
-        )
+        raise folds
     f_px = width / 2.0 / bent
     model = Lens.kannala_brandt if lens == "fisheye" else Lens.brown_conrady
     place = {"cx": (width - 1) / 2.0, "cy": (height - 1) / 2.0}
-    return CameraModel(width=width, height=height, fx=f_px, fy=f_px, lens=model, **place, **k)
+    camera = CameraModel(width=width, height=height, fx=f_px, fy=f_px, lens=model, **place, **k)
+    # The picture's side has to be where the lens is told to look: a fold leads there from nearer to the axis, too. What
+    # p1 and p2 add there is not counted.
+    radially = CameraModel(
+        width=width,
+        height=height,
+        fx=f_px,
+        fy=f_px,
+        lens=model,
+        **place,
+        **k | dict.fromkeys({"p1", "p2"} & set(k), 0.0),
+    )
+    x, _, z = directions(radially, np.array([radially.cx + width / 2.0, radially.cy]))
+    if abs(math.atan2(x, z) - half) > 1e-3:
+        raise folds
+    return camera
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -63,7 +63,7 @@ def scenario(
 
     \b
     Example: render, then let the coordinator look at the pictures
-      pilotfish render line --out out/line --frames 60
+      pilotfish render scenario line --out out/line --frames 60
       pilotfish-coordinator --config data/config/line.yaml \\
           --source images:out/line --lcm-url memq:// --json
     """

@@ -168,6 +168,10 @@ def _board(
     given = [f"--{name}" for name, source in sources.items() if source is not None and source.name == "COMMANDLINE"]
     if given:
         raise typer.BadParameter(f"{', '.join(given)}: only with --board charuco or chessboard; {board} has its own")
+    if ":" not in board and not Path(board).exists():
+        raise typer.BadParameter(
+            f"--board: '{board}' is neither charuco nor chessboard, nor a file, nor spelled as charuco:8x6:30mm:22mm"
+        )
     return board_of(board)
 
 

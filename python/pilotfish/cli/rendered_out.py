@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from pilotfish.cli.board_options import read_option
 from pilotfish.cli.console import check_writable, progress
 from pilotfish.cli.options import writable_folder
 
@@ -21,7 +22,7 @@ def check_out(out: Path, allowed: tuple[str, ...], count: int, camera: tuple[int
     from pilotfish.calibration.rehearsal import outlets
     from pilotfish.extras import require
 
-    kind = outlets.kind_of(out)
+    kind = read_option("--out", outlets.kind_of, out)
     if kind not in allowed:
         names = {outlets.FOLDER: "a folder", outlets.FILM: "a film (NAME.mp4)", outlets.LOG: "a log (NAME.lcmlog)"}
         raise typer.BadParameter(f"--out: '{out}' is not {' or '.join(names[each] for each in allowed)}")

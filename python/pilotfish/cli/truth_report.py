@@ -22,7 +22,10 @@ OFF_TRUTH = 1  # exit code: a check has findings
 def truth_option(whose: str) -> typer.models.OptionInfo:
     """``--truth``, of a rehearsal with rendered pictures."""
     return typer.Option(
-        "--truth", dir_okay=False, help=f"Compare with {whose}; exit code 1 if it is off by more than is allowed."
+        "--truth",
+        exists=True,
+        dir_okay=False,
+        help=f"Compare with {whose}; exit code 1 if it is off by more than is allowed.",
     )
 
 

@@ -12,6 +12,7 @@ from pilotfish.calibration.rehearsal.differences import (
     board_middles,
     body_differences,
     camera_differences,
+    check_comparable,
     mounting_differences,
 )
 from pilotfish.calibration.rehearsal.mounting_drive import DriveSettings, MountingDrive, drive_shots, plan_drive
@@ -35,6 +36,7 @@ __all__ = [
     "board_texture",
     "body_differences",
     "camera_differences",
+    "check_comparable",
     "drive_shots",
     "mounting_differences",
     "plan_drive",

@@ -43,6 +43,18 @@ class Difference:
         return self.allowed is None or abs(self.off) <= self.allowed
 
 
+def check_comparable(truth: TrueCamera, size: tuple[int, int], model: str) -> None:
+    """ConfigError if the truth is of pictures of another size (width, height), or another lens model."""
+    true = lens_of_camera(truth.camera)
+    if size != (true.width, true.height):
+        raise ConfigError(
+            f"the truth is of a camera with {true.width}x{true.height} px, the pictures have {size[0]}x{size[1]} px: "
+            "is it that of these pictures?"
+        )
+    if model != true.model:
+        raise ConfigError(f"the truth is a {true.model} lens: add --model {true.model}")
+
+
 def camera_differences(
     found: CameraModel, truth: TrueCamera, middles_c: dict[str, np.ndarray] | None = None, board: Board | None = None
 ) -> list[Difference]:
@@ -50,14 +62,7 @@ def camera_differences(
     (a chessboard's corners may be counted from either end; its middle is the same). ConfigError if the truth is of
     another size or lens model."""
     true = truth.camera
-    if (found.width, found.height) != (true.width, true.height):
-        raise ConfigError(
-            f"the truth is of a camera with {true.width}x{true.height} px, the pictures have {found.width}x"
-            f"{found.height} px: is it that of these pictures?"
-        )
-    if found.lens != true.lens:
-        model = lens_of_camera(true).model
-        raise ConfigError(f"the truth is a {model} lens, and another was fitted: add --model {model}")
+    check_comparable(truth, (found.width, found.height), lens_of_camera(found).model)
     rows = []
     for name in ("fx", "fy"):
         value, wanted = getattr(found, name), getattr(true, name)

@@ -162,7 +162,7 @@ def _check_seen(camera: CameraModel, mounting: CameraMounting, drive: MountingDr
             total = drive.turning.count(turns)
             raise ConfigError(
                 f"the tag is wholly in {seen[turns]} of {total} pictures of the {what}, {least} are needed. It is "
-                f"{math.degrees(ahead_rad):.0f} degrees to the left of straight ahead, as high as the camera, whose "
-                f"tilt is {math.degrees(mounting.tilt_rad):.0f} degrees: take another --tag-distance-m, --tag-size, a "
-                "shorter --drive-m, more pictures (--rate-hz), or a camera that looks ahead"
+                f"{round(math.degrees(ahead_rad))} degrees to the left of straight ahead, as high as the camera, whose "
+                f"tilt is {round(math.degrees(mounting.tilt_rad))} degrees: take another --tag-distance-m, "
+                "--tag-size, a shorter --drive-m, more pictures (--rate-hz), or a camera that looks ahead"
             )

@@ -16,7 +16,7 @@ from pilotfish.calibration.camera.lens import Lens as FittedLens
 from pilotfish.calibration.rehearsal.board_picture import BoardPose
 from pilotfish.coordinator import load_calibration
 from pilotfish.core import CameraModel, Lens
-from pilotfish.errors import ConfigError, MissingFileError
+from pilotfish.errors import ConfigError
 from pilotfish.files import read_text
 from pilotfish.whole_files import write_whole
 
@@ -53,11 +53,7 @@ def write_true_camera(
 
 
 def read_true_camera(file: Path) -> TrueCamera:
-    """Of any calibration file. MissingFileError, ConfigError."""
-    if not file.exists():
-        raise MissingFileError(f"{file}: no such file; `pilotfish render board` writes one")
-    if file.is_dir():
-        raise ConfigError(f"{file} is a folder; the truth is the file in it: {file / 'truth.yaml'}")
+    """Of any calibration file. ConfigError."""
     try:
         camera = load_calibration(str(file))
     except ValueError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -27,19 +28,40 @@ def write_true_mounting(file: Path, mounting: CameraMounting, remarks: Sequence[
 def read_true_mounting(file: Path) -> CameraMounting:
     """Of any YAML file with ``camera: mounting:``, also a coordinator's configuration. MissingFileError,
     ConfigError."""
+    section = _section(file)
+    known = ("position_m", *(f"{name}_deg" for name in _ANGLES))
+    for key in section:
+        if key not in known:
+            raise ConfigError(f"{file}: camera.mounting.{key}: unknown key; known are {', '.join(known)}")
+    place = section.get("position_m")
+    if not isinstance(place, list) or len(place) != 3 or not all(map(_is_number, place)):
+        raise ConfigError(f"{file}: camera.mounting.position_m: {place}; needed are three numbers, forward, left, up")
+    angles = {}
+    for name in _ANGLES:
+        value = section.get(f"{name}_deg", 0.0)
+        if not _is_number(value):
+            raise ConfigError(f"{file}: camera.mounting.{name}_deg: {value}; needed is a number of degrees")
+        angles[f"{name}_rad"] = math.radians(value)
     try:
-        section = yaml.safe_load(read_text(file))["camera"]["mounting"]
-        if not set(section) <= {"position_m", *(f"{name}_deg" for name in _ANGLES)}:
-            raise ValueError(f"unknown keys among {', '.join(map(str, section))}")
-        place = [float(value) for value in section["position_m"]]
-        angles = {f"{name}_rad": math.radians(float(section.get(f"{name}_deg", 0.0))) for name in _ANGLES}
-        return CameraMounting(position_m=place, **angles)
+        return CameraMounting(position_m=[float(value) for value in place], **angles)
     except ConfigError as error:
         raise ConfigError(f"{file}: {error}") from error
-    except (yaml.YAMLError, KeyError, TypeError, ValueError, RecursionError) as error:
-        if isinstance(error, FileNotFoundError):
-            raise
+
+
+def _section(file: Path) -> dict[str, Any]:
+    try:
+        found = yaml.safe_load(read_text(file))
+        for name in ("camera", "mounting"):
+            found = found.get(name) if isinstance(found, dict) else None
+    except (yaml.YAMLError, RecursionError):  # also what OpenCV calls YAML
+        found = None
+    if not isinstance(found, dict):
         raise ConfigError(
-            f"{file}: no mounting in it ({' '.join(str(error).split())}): needed is camera: mounting: with position_m: "
-            "[forward, left, up] and pan_deg, tilt_deg, roll_deg, as in the truth.yaml of `pilotfish render mounting`"
-        ) from error
+            f"{file}: no mounting in it; needed is camera: mounting:, as in the truth.yaml of `pilotfish render "
+            "mounting`, or a coordinator's configuration"
+        )
+    return found
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
