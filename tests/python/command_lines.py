@@ -48,6 +48,15 @@ COMMANDS = {
     "experiment over LCM": ["experiment", "line", number("--duration-s", "0.5"), "--in-process"],
     "demo": ["demo", number("--duration-s", "0.5"), folder()],
     "render": ["render", read(SCENARIO), number("--frames", "1"), folder()],
+    "render board": [
+        *("render", "board", "--size", "160x120", number("--fov-deg", "60"), "--views", "1"),
+        *(number("--share", "0.5"), number("--seed", "1"), folder()),
+    ],
+    "render mounting": [
+        *("render", "mounting", read(CALIBRATION, "--camera"), "--rate-hz", "2", number("--drive-m", "0.6")),
+        *(number("--tag-size", "0.16"), write("run.lcmlog", "--out")),
+    ],
+    "render body": ["render", "body", read(LEADER, "--leader"), number("--off-mm", "3"), "--pictures", "12", folder()],
     "plot": [
         "plot",
         read("{run}"),

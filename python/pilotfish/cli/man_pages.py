@@ -22,7 +22,7 @@ from pilotfish import __version__
 
 EXIT_STATUS = {
     0: "Done.",
-    1: "A check has findings: replay --assert, doctor, leader check, fuzzy check.",
+    1: "A check has findings: replay --assert, doctor, leader check, fuzzy check, a calibration with --truth.",
     64: "The command line is wrong.",
     65: "A file that is no recording or shows too little; a calibration that must be done again.",
     66: "A file to read that is not there.",

@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-import typer.core
 
 from pilotfish.cli.console import console, friendly_errors, progress, warn
+from pilotfish.cli.default_command import DefaultCommandGroup
 from pilotfish.cli.outputs import output_file, writable_folder
 from pilotfish.cli.sweep_results import plot, report, sensitivity
 from pilotfish.interrupts import BOUNCE_S
@@ -27,17 +27,8 @@ if TYPE_CHECKING:
 _RUN = "run"
 
 
-class _RunByDefault(typer.core.TyperGroup):
-    """``pilotfish sweep FILE`` is ``pilotfish sweep run FILE``."""
-
-    def with_default(self, args: list[str]) -> list[str]:
-        """With ``run`` in front of what is no subcommand."""
-        return args if not args or args[0] in self.commands else [_RUN, *args]
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """As click's, with the default."""
-        asks = bool(args) and args[0] in ctx.help_option_names
-        return super().parse_args(ctx, args if asks else self.with_default(args))
+class _RunByDefault(DefaultCommandGroup):
+    default = _RUN
 
 
 app = typer.Typer(
