@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from pilotfish.cli import app
 
 runner = CliRunner()
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
 def run(*arguments):

@@ -18,7 +18,6 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 from PIL import Image
 
-from pilotfish.plots import style
 from pilotfish.plots.comparison import draw_comparison
 from pilotfish.plots.laws import law_styles
 from pilotfish.plots.style import DARK, LIGHT, save
@@ -32,7 +31,7 @@ LABEL = re.compile(r"^\w.*\[(m|mm|s|Hz|m/s|°|°/s|-)\]", re.DOTALL)
 
 
 @pytest.fixture(scope="module")
-def as_png(tmp_path_factory):
+def as_png(tmp_path_factory, small_pictures):
     """Draws and writes a picture, once for all tests: (which, theme) -> figure, file."""
     folder = tmp_path_factory.mktemp("pictures")
 
@@ -41,9 +40,7 @@ def as_png(tmp_path_factory):
         figure = light(which) if theme is LIGHT else drawn(which, theme)
         return figure, save(figure, folder / f"{which}_{theme.name}.png")
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(style, "DPI", 50)  # nothing here looks at less than whole areas
-        yield write
+    return write
 
 
 @cache
