@@ -9,8 +9,10 @@ from io import StringIO
 import lcm
 import pytest
 from rich.console import Console
+from typer.testing import CliRunner
 
 from pilotfish import data, doctor
+from pilotfish.cli import app
 from pilotfish.cli.advice import print_finding
 from pilotfish.doctor import Host, Verdict, network
 from pilotfish.harness.ports import private_lcm_url
@@ -149,7 +151,13 @@ def test_a_configuration_adds_its_name_and_its_camera():
     ],
 )
 def test_a_wrong_command_line_ends_in_words(arguments, code, words):
-    done = run(*arguments)
-    assert done.returncode == code, done.stdout + done.stderr
+    done = CliRunner().invoke(app, ["doctor", "--listen-s", "0.1", *arguments])
+    assert done.exit_code == code, done.output
     assert words in " ".join(done.stderr.split())
+
+
+def test_a_wrong_command_line_ends_in_words_also_in_a_process_of_its_own():
+    done = run("--config", "nowhere.yaml")
+    assert done.returncode == 66, done.stdout + done.stderr
+    assert "nowhere.yaml" in done.stderr
     assert "Traceback" not in done.stderr

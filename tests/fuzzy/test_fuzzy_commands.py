@@ -13,6 +13,8 @@ from pilotfish.cli import app
 
 SHIPPED = fuzzy_reference.DATA
 
+pytestmark = pytest.mark.usefixtures("small_pictures")
+
 
 def run(*arguments):
     result = CliRunner().invoke(app, ["fuzzy", *(str(argument) for argument in arguments)])

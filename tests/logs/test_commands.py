@@ -16,6 +16,7 @@ from pilotfish.cli import app
 from pilotfish.logs import read_run
 
 runner = CliRunner()
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
 def run(*arguments):

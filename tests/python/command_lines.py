@@ -142,7 +142,10 @@ def _long_field(path):
 
 
 def _hundred_megabytes(path):
-    path.write_bytes(b"a" * 100_000_000)
+    shared = path.parents[1] / "hundred_megabytes"  # beside the folders of the tests: written once, not for every place
+    if not shared.exists():
+        shared.write_bytes(b"a" * 100_000_000)
+    path.hardlink_to(shared)
 
 
 def _zeros(path):

@@ -16,6 +16,7 @@ from logs.recordings import Writer
 from pilotfish.cli import app
 
 runner = CliRunner()
+pytestmark = pytest.mark.usefixtures("small_pictures")
 # 0: it does not mind. 1: `fuzzy check` found something. 2: the command line. The others are those of errors.py.
 EXPECTED = {0, 1, 64, 65, 66, 70, 74, 78}
 WITHIN_S = 60.0

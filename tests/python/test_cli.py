@@ -14,6 +14,7 @@ from pilotfish.cli import app
 from pilotfish.plots.style import DARK
 
 runner = CliRunner()
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
 def run(*arguments):

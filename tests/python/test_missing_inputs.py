@@ -41,6 +41,16 @@ LINES = [
     ["experiment", GONE],
     ["experiment", "line", "--tuning", GONE],
     ["render", GONE, "--out", "out"],
+    ["render", "scenario", GONE, "--out", "out"],
+    *(
+        ["render", what, "--out", "out", option, GONE]
+        for what in ("board", "mounting", "body")
+        for option in ("--camera", "--config")
+    ),
+    ["render", "body", "--out", "out", "--leader", GONE],
+    ["calibrate", "camera", "{tmp}", *BOARD, "--truth", GONE],
+    ["calibrate", "mounting", "{film}", "--camera", CALIBRATION, *MOUNTING, "--truth", GONE],
+    ["learn-body", "{tmp}", "--camera", CALIBRATION, *LEARNING, "--truth", GONE],
     *(["stop", "robot1", "--key", GONE], ["go", "robot1", "--key", GONE], ["resume", "robot1", "--key", GONE]),
     ["setpoint", "robot1", "--distance-m", "1", "--key", GONE],
     ["calibrate", "camera", GONE, *BOARD],

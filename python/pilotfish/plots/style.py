@@ -27,6 +27,7 @@ from io import BytesIO
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
@@ -75,8 +76,8 @@ class Theme:
     def values(self) -> Colormap:
         """Colours of normalised values, -1 to 1 as 0 to 1."""
         low, high = self.value_range
-        cividis = mpl.colormaps["cividis"]
-        return ListedColormap([cividis(low + (high - low) * step / 255) for step in range(256)], f"values {self.name}")
+        colours = mpl.colormaps["cividis"](low + (high - low) * np.arange(256) / 255)
+        return ListedColormap(colours, f"values {self.name}")
 
     @property
     def settings(self) -> dict[str, object]:
