@@ -51,7 +51,7 @@ LINES = [
     ["calibrate", "camera", "{tmp}", *BOARD, "--truth", GONE],
     ["calibrate", "mounting", "{film}", "--camera", CALIBRATION, *MOUNTING, "--truth", GONE],
     ["learn-body", "{tmp}", "--camera", CALIBRATION, *LEARNING, "--truth", GONE],
-    *(["stop", "robot1", "--key", GONE], ["go", "robot1", "--key", GONE], ["resume", "robot1", "--key", GONE]),
+    *(["go", "robot1", "--key", GONE], ["resume", "robot1", "--key", GONE]),
     ["setpoint", "robot1", "--distance-m", "1", "--key", GONE],
     ["calibrate", "camera", GONE, *BOARD],
     ["calibrate", "camera", "{tmp}", "--board", GONE],
@@ -81,6 +81,7 @@ LINES = [
 
 # Parameters of the type of a path that say where to write.
 WRITTEN = {"out", "output", "folder of init", "leader of tags", "copy", "plot of identify", "report", "json_file"}
+WRITTEN |= {"key of stop"}  # is done without it
 WRITTEN |= {"csv_file", "counterexample", "target", "file of key new"}
 
 
