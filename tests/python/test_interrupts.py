@@ -7,8 +7,11 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
+
+import pilotfish
 
 BEGIN = """
 import signal, sys, time, types
@@ -109,7 +112,10 @@ def test_an_error_of_its_own_after_an_interrupt_keeps_its_traceback():
 def test_nothing_large_is_imported_before_the_handlers_are_there():
     """Until then Ctrl-C prints a traceback: a fifth of a second, when typing and pkgutil were imported first."""
     script = "import sys, pilotfish.interrupts; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-S", "-c", script], capture_output=True, text=True, timeout=60, check=True)
+    here = os.environ | {"PYTHONPATH": str(Path(pilotfish.__file__).parents[1])}  # -S: without site-packages
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", script], capture_output=True, text=True, timeout=60, check=True, env=here
+    )
     large = {"typing", "pkgutil", "re", "contextlib", "pathlib", "importlib.util", "typer", "rich", "numpy"}
     assert large.isdisjoint(done.stdout.split())
 
