@@ -60,6 +60,7 @@ def test_stop_resume_and_setpoint_do_what_they_say_and_a_killed_coordinator_is_n
 
     phone.fill("#distance", "1.25")
     phone.fill("#bearing", "-5")
+    phone.locator("#set").evaluate("button => button.scrollIntoView({block: 'center'})")  # clear of the bar on top
     phone.click("#set")
     phone.wait_for_selector("#outcome[data-state=confirmed]")
     assert "would keep 1.25 m at -5.0 deg" in text(phone, "#outcome")
