@@ -73,9 +73,10 @@ def plot(
     with friendly_errors():
         results = _loaded(folder, where)
         name = results.factor(over)[0]
+        results.check_has(metric)
         drawn = curves(results, metric, over, by, interval.value)
-        if not any(curve.intervals for curve in drawn):
-            raise ConfigError(f"no run of {folder} has {metric}: `pilotfish sweep report {folder}` says why")
+        if not drawn:  # what is on the x axis may be missing, too
+            raise ConfigError(f"no run of {folder} has both {metric} and {name}")
         if logarithmic and any(each.mean <= 0.0 for curve in drawn for each in curve.intervals):
             raise typer.BadParameter(f"--log: {metric} is not above 0 everywhere")
         file = _picture(out, folder, f"{metric}_over_{name.rpartition('.')[2]}")
@@ -116,6 +117,7 @@ def sensitivity(
 
     with friendly_errors():
         results = _loaded(folder, where)
+        results.check_has(metric)
         file = _picture(out, folder, f"sensitivity_{metric}")
         found = sensitivities(results, metric, by, logarithmic)
         what = ("logarithm of the " if logarithmic else "") + metric_label(metric).partition(" [")[0]
@@ -156,6 +158,8 @@ def report(
       pilotfish sweep report out/laws --metric rms_distance_mm --metric settling_s
       pilotfish sweep report out/laws --csv laws.csv
     """
+    import numpy as np
+
     with friendly_errors():
         if csv_file:
             check_writable(csv_file)
@@ -171,13 +175,20 @@ def report(
         else:
             print_whole(table, 40 + 30 * len(chosen))
         _print_reasons(results)
-        _print_worst(results, chosen[0])
+        missing = [name for name in chosen if not np.isfinite(results.metric(name)).any()]
+        for name in missing:
+            warn(results.missing(name))
+        there = [name for name in chosen if name not in missing]
+        if there:
+            _print_worst(results, there[0])
         if csv_file:
             with csv_file.open("w", newline="", encoding="utf-8") as stream:
                 writer = csv.writer(stream, lineterminator="\n")
                 writer.writerow(results.columns)
                 writer.writerows(zip(*(column.tolist() for column in results.columns.values()), strict=True))
             console.print(f"wrote {csv_file}", soft_wrap=True)
+        if metric and not there:  # nothing of what was asked for
+            raise typer.Exit(ConfigError.exit_code)
 
 
 _USUAL = ("rms_distance_mm", "rms_bearing_deg", "rms_jerk_mps3", "failed_percent")
