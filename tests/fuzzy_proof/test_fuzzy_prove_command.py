@@ -59,7 +59,9 @@ def test_the_shipped_file_is_proved(proof):
 
 def test_no_sample_is_beyond_the_proved_range_and_the_range_is_tight(proof, samples):
     u = samples[2]
-    assert -proof.range.low.bound <= u.min()
+    assert proof.range.low.bound <= proof.range.low.reached
+    assert proof.range.low.bound <= u.min()
+    assert proof.range.low.bound == pytest.approx(-0.75 - 0.5 / 3, abs=2e-4)  # NB alone
     assert u.max() <= proof.range.high.bound
     # 0.75 + 2/3 of 0.25: the centroid of PB alone (see the file)
     assert proof.range.high.bound == pytest.approx(0.75 + 0.5 / 3, abs=2e-4)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,9 +16,9 @@ NOTHING = 1e-6  # of the universe of u: a speed that counts as none (pilotfish.f
 
 @dataclass(frozen=True)
 class Range:
-    """min u and max u: each between what is reached and what is proved."""
+    """min u and max u: each between what is reached and what is proved. ``low.bound`` <= u <= ``high.bound``."""
 
-    low: Optimum  # of -u
+    low: Optimum  # bound <= min u <= reached
     high: Optimum
 
 
@@ -31,8 +31,9 @@ def prove_range(encloser: Encloser, tolerance: float, on_share: OnShare | None =
     def low(boxes: Boxes, bounds: Bounds) -> tuple[FloatArray, FloatArray]:
         return -bounds.u.lo, -bounds.middle.hi
 
+    least = maximise(encloser, low, tolerance, on_share=_part(on_share, 0, 2))  # of -u
     return Range(
-        maximise(encloser, low, tolerance, on_share=_part(on_share, 0, 2)),
+        replace(least, bound=-least.bound, reached=-least.reached),
         maximise(encloser, high, tolerance, on_share=_part(on_share, 1, 2)),
     )
 
