@@ -133,7 +133,13 @@ def run(
         where = Where(os.cpu_count() or 1 if workers is None else workers, scheduler)
         with _stopping() as stop, progress(campaign.name) as step:
             summary = run_campaign(
-                campaign, folder, where, on_started=_say_dashboard, on_progress=step, stopping=stop.is_set
+                campaign,
+                folder,
+                where,
+                on_started=_say_dashboard,
+                on_progress=step,
+                on_warning=warn,
+                stopping=stop.is_set,
             )
         console.print(_summed_up(summary, folder), soft_wrap=True, highlight=False)
         if stop.is_set() and summary.done < summary.total:

@@ -197,7 +197,7 @@ _USUAL = ("rms_distance_mm", "rms_bearing_deg", "rms_jerk_mps3", "failed_percent
 def _loaded(folder: Path, where: list[str] | None) -> Results:
     from pilotfish.sweep.results import load_results
 
-    return load_results(folder).where(where or [])
+    return load_results(folder, warn).where(where or [])
 
 
 def _picture(out: Path | None, folder: Path, stem: str) -> Path:

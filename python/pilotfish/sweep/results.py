@@ -13,7 +13,7 @@ import numpy as np
 from pilotfish.data import did_you_mean
 from pilotfish.errors import ConfigError
 from pilotfish.sweep.metrics import DIED, ERROR, METRICS, OK
-from pilotfish.sweep.store import read_identity, read_rows
+from pilotfish.sweep.store import Say, read_identity, read_rows
 
 FAILED = "failed_percent"
 _FAILED_TEXT = "runs that collided, lost the leader or could not be simulated"
@@ -136,9 +136,9 @@ def _number(text: str, condition: str) -> float:
         raise ConfigError(f"--where {condition}: '{text}' is not a number") from None
 
 
-def load_results(out: Path) -> Results:
-    """All rows that are there by now; the campaign may still be running."""
-    table, identity = read_rows(out), read_identity(out)
+def load_results(out: Path, say: Say | None = None) -> Results:
+    """All rows that are there by now; the campaign may still be running. ``say`` gets what to warn of."""
+    table, identity = read_rows(out, say), read_identity(out)
     columns = {name: table[name].to_pylist() for name in table.column_names}
     figures = set(identity["metrics"])
     return Results(
