@@ -86,7 +86,10 @@ def prove_sign(
     """The smallest x so that u <= NOTHING for all e >= x and all ec (``too_close``): sup of the e where u > NOTHING.
 
     Not ``too_close``: the smallest x so that u >= -NOTHING for all e <= -x. Branch and bound finds it at once, where
-    bisection over x would begin anew for every x. -inf: u has that sign everywhere.
+    bisection over x would begin anew for every x. -inf: u has that sign everywhere; inf: for no x.
+
+    The supremum may be attained (at the foot of a vertical side), so the x that is proved is the next double above it.
+    An input beyond the universe counts as its end: if u may have the wrong sign there, it has it for all e beyond.
     """
 
     def objective(boxes: Boxes, bounds: Bounds) -> tuple[FloatArray, FloatArray]:
@@ -104,7 +107,11 @@ def prove_sign(
     reached, at = float(farthest[best]), (float(vertices.e.lo[best]), float(vertices.ec.lo[best]))
     if not wrong[best]:
         at = (float("nan"), float("nan"))
-    return maximise(encloser, objective, tolerance, reached=reached, at=at, on_share=on_share)
+    found = maximise(encloser, objective, tolerance, reached=reached, at=at, on_share=on_share)
+    low, high = encloser.universe_e
+    if found.bound >= (high if too_close else -low):
+        return replace(found, bound=np.inf)
+    return replace(found, bound=float(np.nextafter(found.bound, np.inf))) if np.isfinite(found.bound) else found
 
 
 def _part(on_share: OnShare | None, index: int, count: int) -> OnShare | None:
