@@ -49,6 +49,19 @@ def test_the_setpoints_behind_the_others_keep_the_robot_in_its_place():
         ),
         ({"dropouts": [{"robot": "robot4", "at_s": 1.0}]}, "dropouts[0].robot: 'robot4' is not one of leader, robot1"),
         ({"dropouts": [{"robot": "robot1", "at_s": 40.0}]}, "dropouts[0].at_s: 40 is out of range; allowed: 0 to 30"),
+        ({"dropouts": [{"robot": "robot1", "at_s": 30.0}]}, "dropouts[0].at_s: 30 is the end of the run (duration_s)"),
+        (
+            {"dropouts": [{"robot": "robot1", "at_s": 4.0, "until_s": 4.0}]},
+            "dropouts[0].until_s: 4 is not after at_s (4); allowed: more than 4 to 31",
+        ),
+        (
+            {"dropouts": [{"robot": "robot1", "at_s": 4.0, "until_s": 3.0}]},
+            "dropouts[0].until_s: 3 is not after at_s (4); allowed: more than 4 to 31",
+        ),
+        (
+            {"dropouts": [{"robot": "robot1", "at_s": 4.0, "until_s": 32.0}]},
+            "dropouts[0].until_s: 32 is out of range; allowed: 0 to 31",
+        ),
         ({"dropouts": [{"robot": "robot1", "at_s": 1.0}] * 2}, "dropouts[1].robot: 'robot1' drops out twice"),
         (
             {"otherwise": {"robot3": ["leader"]}, "changes": [{"at_s": 5.0, "tree": BRANCHES}]},
@@ -80,6 +93,24 @@ def test_expanded_the_coordinators_have_the_alternatives_with_the_others_ids(tmp
         assert [other.bearing_rad for other in config.other_leaders] == pytest.approx([w.bearing_rad for w in kept])
         ids = [[tag.id for tag in other.leader.tags] for other in config.other_leaders]
         assert ids == [[20, 21, 22], [0, 1, 2]]  # robot2 is the third robot
+
+
+def test_while_the_leader_in_front_cannot_be_seen_it_drives_on_and_everybody_stands():
+    """Nobody sees the leader from 3 s to 5 s. Its followers stop by themselves, robot3 behind robot1, which it sees;
+    the leader drives on at 0.2 m/s for 2 s, 0.4 m, and is followed again."""
+    dropout = {"robot": "leader", "at_s": 3.0, "until_s": 5.0}
+    run = play(three(otherwise={"robot3": ["robot2"]}, dropouts=[dropout], duration_s=15.0, frame_rate_hz=15.0))
+    for robot in run.recordings.values():
+        standing = (robot.time_s > 4.2) & (robot.time_s < 5.0)
+        assert np.ptp(robot.x_m[standing]) < 0.005
+        assert abs(robot.distance_error_m[-1]) < 0.02
+    # The leader was 1.2 m away at -18 deg, and draws away straight ahead: by 2 s at 0.2 m/s, less what the follower
+    # rolls on, at most (0.1 s of hold, 0.033 s latency, 0.1 s lag, 0.1 s of braking) at 0.2 m/s = 0.067 m.
+    ahead_m, aside_m = 1.2 * math.cos(math.radians(18.0)), 1.2 * math.sin(math.radians(18.0))
+    first = run.recordings["robot1"]
+    away_m = first.true_distance_m[np.searchsorted(first.time_s, 5.0 - 1e-9)]
+    assert math.hypot(ahead_m + 0.4 - 0.07, aside_m) < away_m < math.hypot(ahead_m + 0.4, aside_m)
+    assert run.followed["robot3"] == [(0.0, "robot1")]  # robot1 is seen all the time
 
 
 def test_in_the_shipped_one_the_follower_takes_the_stand_in_and_returns():

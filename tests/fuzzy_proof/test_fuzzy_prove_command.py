@@ -10,8 +10,11 @@ from typer.testing import CliRunner
 
 from pilotfish import data, fuzzy
 from pilotfish.cli import app
+from pilotfish.fuzzy_proof.enclosure import Encloser
+from pilotfish.fuzzy_proof.facts import prove_sign
 from pilotfish.fuzzy_proof.jumps import prove_continuity
-from pilotfish.fuzzy_proof.proof import prove
+from pilotfish.fuzzy_proof.pieces import surface_of
+from pilotfish.fuzzy_proof.proof import corners_of_pieces, prove
 from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
 
@@ -59,7 +62,9 @@ def test_the_shipped_file_is_proved(proof):
 
 def test_no_sample_is_beyond_the_proved_range_and_the_range_is_tight(proof, samples):
     u = samples[2]
-    assert -proof.range.low.bound <= u.min()
+    assert proof.range.low.bound <= proof.range.low.reached
+    assert proof.range.low.bound <= u.min()
+    assert proof.range.low.bound == pytest.approx(-0.75 - 0.5 / 3, abs=2e-4)  # NB alone
     assert u.max() <= proof.range.high.bound
     # 0.75 + 2/3 of 0.25: the centroid of PB alone (see the file)
     assert proof.range.high.bound == pytest.approx(0.75 + 0.5 / 3, abs=2e-4)
@@ -82,6 +87,53 @@ def test_beyond_the_proved_x_no_sample_has_the_wrong_sign_and_just_before_it_one
         assert x.bound == pytest.approx(balance, abs=2e-4)
         assert not wrong[e >= x.bound].any()
         assert wrong[(e > balance - 0.01) & (e < balance)].any()
+
+
+def signs_of(law):
+    """What is proved of the signs alone: (too close, too far)."""
+    surface = surface_of(law)
+    encloser, vertices = Encloser(surface), corners_of_pieces(surface)
+    return [prove_sign(encloser, vertices, 1e-4, too_close=close) for close in (True, False)]
+
+
+def forward_at_the_end(law):
+    law["rules"].update(PB=["PB"] * 7)
+
+
+def forward_at_the_end_of_a_small_universe(law):
+    """All of E is 0.4 times as large: it ends before the 0.5 of --sign-within."""
+    forward_at_the_end(law)
+    law["E"]["universe"] = [-0.4, 0.4]
+    for shape in law["E"]["terms"].values():
+        for kind, corners in shape.items():
+            shape[kind] = [0.4 * corner for corner in corners]
+
+
+@pytest.mark.parametrize("change", [forward_at_the_end, forward_at_the_end_of_a_small_universe])
+def test_a_law_that_drives_towards_the_leader_at_the_end_of_its_universe_has_no_x(tmp_path, change):
+    """Inputs beyond the universe count as its end, so u is wrong for every e from there on: nothing can be proved,
+    whatever --sign-within says."""
+    law = fuzzy.load_controller(broken(tmp_path, change))
+    assert fuzzy.infer(law, 2.0, 0.0).output > 0.5
+    too_close, too_far = signs_of(law)
+    assert too_close.bound == np.inf
+    assert too_far.bound < 0.2  # the other side is as ever
+
+
+def test_at_the_proved_x_itself_the_sign_is_right_where_the_last_wrong_one_is_at_a_vertical_side(tmp_path):
+    """PM ends with a vertical side at 0.5, which belongs to it and where u is positive; beyond, PB alone holds."""
+
+    def change(law):
+        inf = float("inf")
+        law["E"]["terms"].update(PM={"trapezoid": [0.3, 0.4, 0.5, 0.5]}, PB={"trapezoid": [0.45, 0.8, inf, inf]})
+        law["rules"].update(PM=["PB"] * 7)
+
+    law = fuzzy.load_controller(broken(tmp_path, change))
+    too_close, _ = signs_of(law)
+    ec = np.linspace(-1, 1, 201)
+    assert fuzzy.infer_outputs(law, np.full_like(ec, 0.5), ec).max() > 1e-6
+    assert 0.5 < too_close.bound < 0.501
+    assert fuzzy.infer_outputs(law, np.full_like(ec, too_close.bound), ec).max() <= 1e-6
 
 
 def test_no_sampled_rise_along_e_is_beyond_the_proved_one(proof, samples):

@@ -15,7 +15,7 @@ from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import evaluate
 from pilotfish.sweep.play import play_all, seeds
 from pilotfish.sweep.run import run_campaign
-from pilotfish.sweep.store import LOCK, parts
+from pilotfish.sweep.store import LOCK
 from sweep.campaigns import SPEED, loaded, rows, written
 
 
@@ -124,19 +124,6 @@ def test_two_commands_do_not_write_into_one_folder(tmp_path):
         fcntl.flock(lock, fcntl.LOCK_EX)
         with pytest.raises(CampaignError, match="another `pilotfish sweep` writes there"):
             run_campaign(campaign, tmp_path / "out")
-
-
-def test_a_damaged_part_is_named_and_its_runs_are_done_again_once_it_is_deleted(tmp_path):
-    campaign = loaded(tmp_path)
-    run_campaign(campaign, tmp_path / "out")
-    whole = rows(tmp_path / "out")
-    part = parts(tmp_path / "out")[-1]
-    part.write_bytes(part.read_bytes()[:100])
-    with pytest.raises(CampaignError, match=rf"{part}: damaged .*Delete it"):
-        run_campaign(campaign, tmp_path / "out")
-    part.unlink()
-    run_campaign(campaign, tmp_path / "out")
-    assert rows(tmp_path / "out") == whole
 
 
 FAILING = {

@@ -104,6 +104,33 @@ def test_what_is_wrong_ends_with_its_exit_code_and_what_to_do(done, tmp_path, wo
     assert said in told.replace(" │ │ ", " ")
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["plot", "{out}", "--over", "speed_mps", "--metric", "settling_s", "--out", "{tmp}/a.png"],
+        ["report", "{out}", "--by", "law", "--metric", "settling_s"],
+        ["sensitivity", "{out}", "--by", "law", "--metric", "settling_s", "--out", "{tmp}/a.png"],
+        ["sensitivity", "{out}", "--by", "law", "--metric", "settling_s", "--log", "--out", "{tmp}/a.png"],
+    ],
+    ids=["plot", "report", "sensitivity", "of its logarithm"],
+)
+def test_a_figure_that_no_run_has_ends_with_the_reason(done, tmp_path, words):
+    """Runs of 1 s cannot have been settled for 2 s."""
+    _, out = done
+    code, said = run(*(word.format(out=out, tmp=tmp_path) for word in words))
+    assert code == 78
+    assert "no run has settling_s (of 96: 96 ok): a run has it only if" in said
+    assert "for at least 2 s; these last 1 s" in said
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_a_report_shows_the_figures_there_are_beside_one_that_no_run_has(done):
+    _, out = done
+    code, said = run("report", out, "--metric", "settling_s", "--metric", "rms_distance_mm")
+    assert code == 0 and "no run has settling_s" in said
+    assert "largest rms_distance_mm" in said and "largest settling_s" not in said
+
+
 @pytest.mark.parametrize("package", ["pyarrow", "distributed"])
 def test_without_its_packages_it_says_what_to_install(tmp_path, monkeypatch, package):
     monkeypatch.setitem(sys.modules, package, None)

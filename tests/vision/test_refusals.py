@@ -90,6 +90,19 @@ def test_an_id_that_is_seen_twice():
     assert refused(image) == (Reason.tag_duplicate, {"duplicate_id": 2})
 
 
+@pytest.mark.fault("lookalike_while_tracking")
+def test_a_look_alike_that_comes_in_does_not_take_the_place_of_the_leader_that_is_tracked():
+    """The leader stands 1.2 m ahead at +0.2 rad; the other body, as far away, comes from the other side up to 0.12 rad
+    from it, 0.14 m. The tracker follows the tag from picture to picture and does not search."""
+    eye = observer()
+    for k in range(30):
+        bodies = [(BODY, leader_at(1.2, 0.2))] + ([(BODY, leader_at(1.2, -0.4 + 0.0171 * (k - 1)))] if k else [])
+        sight = eye.observe(frame(render(bodies, k), k))
+        assert sight.reason == Reason.none
+        assert sight.observation.measured.bearing_rad == pytest.approx(0.2, abs=0.005)
+    assert counted(eye) == {}
+
+
 @pytest.mark.parametrize("config", [LeaderPoseConfig(max_distance_m=1.0), LeaderPoseConfig(min_distance_m=1.2)])
 def test_a_size_that_it_cannot_have_at_its_range(config):
     # At 1.1 m; 0.16 m look as large as they do at 1.1 m, which the config rules out.

@@ -33,21 +33,21 @@ def surface_table(proof: Proof, controller: fuzzy.Controller) -> Table:
     table.add_column("reached", justify="right")
     table.add_column(f"at {e}, {ec}", justify="right")
 
-    def row(text: str, optimum: Optimum, sign: float = 1.0, form: str = ".5f") -> None:
+    def row(text: str, optimum: Optimum, form: str = ".5f") -> None:
         bound, reached = (
-            format(sign * x, form) if math.isfinite(x) else "everywhere" if x < 0 else "nothing"
+            format(x, form) if math.isfinite(x) else "everywhere" if x < 0 else "nothing"
             for x in (optimum.bound, optimum.reached)
         )
         table.add_row(text, bound, reached, _place(optimum))
 
-    row(f"{u} is at least", proof.range.low, -1.0, "+.5f")
-    row(f"{u} is at most", proof.range.high, 1.0, "+.5f")
+    row(f"{u} is at least", proof.range.low, "+.5f")
+    row(f"{u} is at most", proof.range.high, "+.5f")
     away = "" if proof.continuity.proved else ", away from jumps,"
-    row(f"|d{u}/d{e}|{away} is at most", proof.steepest_e, form=".4g")
-    row(f"|d{u}/d{ec}|{away} is at most", proof.steepest_ec, form=".4g")
-    row(f"d{u}/d{e}{away} is at most", proof.steepest_rise, form="+.3g")
+    row(f"|d{u}/d{e}|{away} is at most", proof.steepest_e, ".4g")
+    row(f"|d{u}/d{ec}|{away} is at most", proof.steepest_ec, ".4g")
+    row(f"d{u}/d{e}{away} is at most", proof.steepest_rise, "+.3g")
     if proof.greatest_rise is not None:
-        row(f"{u} rises along {e} by at most", proof.greatest_rise, form=".3g")
+        row(f"{u} rises along {e} by at most", proof.greatest_rise, ".3g")
     row(f"{u} <= 0 from {e} = x on, x =", proof.too_close)
     row(f"{u} >= 0 up to {e} = -x, x =", proof.too_far)
     return table

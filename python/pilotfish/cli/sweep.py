@@ -127,7 +127,13 @@ def run(
         where = Where(os.cpu_count() or 1 if workers is None else workers, scheduler)
         with _stopping() as stopped_by, progress(campaign.name) as step:
             summary = run_campaign(
-                campaign, folder, where, on_started=_say_dashboard, on_progress=step, stopping=lambda: bool(stopped_by)
+                campaign,
+                folder,
+                where,
+                on_started=_say_dashboard,
+                on_progress=step,
+                on_warning=warn,
+                stopping=lambda: bool(stopped_by),
             )
         console.print(_summed_up(summary, folder), soft_wrap=True, highlight=False)
         if stopped_by and summary.done < summary.total:

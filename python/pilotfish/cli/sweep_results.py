@@ -74,9 +74,10 @@ def plot(
     with friendly_errors():
         results = _loaded(folder, where)
         name = results.factor(over)[0]
+        results.check_has(metric)
         drawn = curves(results, metric, over, by, interval.value)
-        if not any(curve.intervals for curve in drawn):
-            raise ConfigError(f"no run of {folder} has {metric}: `pilotfish sweep report {folder}` says why")
+        if not drawn:  # what is on the x axis may be missing, too
+            raise ConfigError(f"no run of {folder} has both {metric} and {name}")
         if logarithmic and any(each.mean <= 0.0 for curve in drawn for each in curve.intervals):
             raise typer.BadParameter(f"--log: {metric} is not above 0 everywhere")
         picture = _picture(out, folder, f"{metric}_over_{name.rpartition('.')[2]}")
@@ -118,6 +119,7 @@ def sensitivity(
 
     with friendly_errors():
         results = _loaded(folder, where)
+        results.check_has(metric)
         picture = _picture(out, folder, f"sensitivity_{metric}")
         found = sensitivities(results, metric, by, logarithmic)
         what = ("logarithm of the " if logarithmic else "") + metric_label(metric).partition(" [")[0]
@@ -159,6 +161,8 @@ def report(
       pilotfish sweep report out/laws --metric rms_distance_mm --metric settling_s
       pilotfish sweep report out/laws --csv laws.csv
     """
+    import numpy as np
+
     with friendly_errors():
         table_file = output_file(csv_file) if csv_file else None
         results = _loaded(folder, where)
@@ -173,7 +177,12 @@ def report(
         else:
             print_whole(table, 40 + 30 * len(chosen))
         _print_reasons(results)
-        _print_worst(results, chosen[0])
+        missing = [name for name in chosen if not np.isfinite(results.metric(name)).any()]
+        for name in missing:
+            warn(results.missing(name))
+        there = [name for name in chosen if name not in missing]
+        if there:
+            _print_worst(results, there[0])
         if table_file:
             from pilotfish.whole_files import written_whole
 
@@ -182,6 +191,8 @@ def report(
                 writer.writerow(results.columns)
                 writer.writerows(zip(*(column.tolist() for column in results.columns.values()), strict=True))
             table_file.wrote()
+        if metric and not there:  # nothing of what was asked for
+            raise typer.Exit(ConfigError.exit_code)
 
 
 _USUAL = ("rms_distance_mm", "rms_bearing_deg", "rms_jerk_mps3", "failed_percent")
@@ -190,7 +201,7 @@ _USUAL = ("rms_distance_mm", "rms_bearing_deg", "rms_jerk_mps3", "failed_percent
 def _loaded(folder: Path, where: list[str] | None) -> Results:
     from pilotfish.sweep.results import load_results
 
-    return load_results(folder).where(where or [])
+    return load_results(folder, warn).where(where or [])
 
 
 def _picture(out: Path | None, folder: Path, stem: str) -> Output:

@@ -65,14 +65,21 @@ def read_otherwise(
 
 
 def read_dropouts(keys: Keys, robots: Mapping[str, Place], duration_s: float) -> tuple[Dropout, ...]:
-    """In the order of the file; one a robot, because a scenario hides a robot once."""
+    """In the order of the file; one a robot, because a scenario hides a robot once. A dropout that could not be seen in
+    the run, because it is over when it begins or begins at the end, is refused."""
     dropouts: list[Dropout] = []
     for entry in keys.mappings("dropouts"):
         robot = entry.text("robot", choices=robots)
         if any(robot == before.robot for before in dropouts):
             raise entry.error("robot", f"'{robot}' drops out twice; allowed: once")
         at_s = entry.number("at_s", None, 0.0, duration_s)
-        until_s = entry.number("until_s", duration_s + 1.0, at_s, duration_s + 1.0)
+        if at_s >= duration_s:
+            raise entry.error("at_s", f"{at_s:g} is the end of the run (duration_s); allowed: 0 to less than that")
+        latest_s = duration_s + 1.0
+        until_s = entry.number("until_s", latest_s, 0.0, latest_s)
+        if until_s <= at_s:
+            allowed = f"allowed: more than {at_s:g} to {latest_s:g} (duration_s and 1 s)"
+            raise entry.error("until_s", f"{until_s:g} is not after at_s ({at_s:g}); {allowed}")
         entry.finish()
         dropouts.append(Dropout(robot, at_s, until_s))
     return tuple(dropouts)

@@ -19,7 +19,8 @@ MAX_BOXES = 400_000  # in one question: some 10 s; what is open then is bounded 
 
 @dataclass(frozen=True)
 class Optimum:
-    """The supremum lies between ``reached``, at the inputs (e, ec), and ``bound``, which is proved."""
+    """The supremum (of ``Range.low``: the infimum) lies between ``reached``, at the inputs (e, ec), and ``bound``,
+    which is proved."""
 
     bound: float
     reached: float

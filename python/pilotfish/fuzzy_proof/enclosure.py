@@ -49,6 +49,7 @@ class Encloser:
         slots = max(len(piece.heights) for piece in pieces)
         depth = max(len(profile) for profile in profiles)
         self.count = len(pieces)
+        self.universe_e = (surface.controller.error.min, surface.controller.error.max)
         self._universe = (surface.controller.output.min, surface.controller.output.max)
 
         nothing = Degree(0, Fraction(0), Fraction(0), None)

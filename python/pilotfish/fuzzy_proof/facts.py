@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,9 +16,9 @@ NOTHING = 1e-6  # of the universe of u: a speed that counts as none (pilotfish.f
 
 @dataclass(frozen=True)
 class Range:
-    """min u and max u: each between what is reached and what is proved."""
+    """min u and max u: each between what is reached and what is proved. ``low.bound`` <= u <= ``high.bound``."""
 
-    low: Optimum  # of -u
+    low: Optimum  # bound <= min u <= reached
     high: Optimum
 
 
@@ -31,8 +31,9 @@ def prove_range(encloser: Encloser, tolerance: float, on_share: OnShare | None =
     def low(boxes: Boxes, bounds: Bounds) -> tuple[FloatArray, FloatArray]:
         return -bounds.u.lo, -bounds.middle.hi
 
+    least = maximise(encloser, low, tolerance, on_share=_part(on_share, 0, 2))  # of -u
     return Range(
-        maximise(encloser, low, tolerance, on_share=_part(on_share, 0, 2)),
+        replace(least, bound=-least.bound, reached=-least.reached),
         maximise(encloser, high, tolerance, on_share=_part(on_share, 1, 2)),
     )
 
@@ -85,7 +86,10 @@ def prove_sign(
     """The smallest x so that u <= NOTHING for all e >= x and all ec (``too_close``): sup of the e where u > NOTHING.
 
     Not ``too_close``: the smallest x so that u >= -NOTHING for all e <= -x. Branch and bound finds it at once, where
-    bisection over x would begin anew for every x. -inf: u has that sign everywhere.
+    bisection over x would begin anew for every x. -inf: u has that sign everywhere; inf: for no x.
+
+    The supremum may be attained (at the foot of a vertical side), so the x that is proved is the next double above it.
+    An input beyond the universe counts as its end: if u may have the wrong sign there, it has it for all e beyond.
     """
 
     def objective(boxes: Boxes, bounds: Bounds) -> tuple[FloatArray, FloatArray]:
@@ -103,7 +107,11 @@ def prove_sign(
     reached, at = float(farthest[best]), (float(vertices.e.lo[best]), float(vertices.ec.lo[best]))
     if not wrong[best]:
         at = (float("nan"), float("nan"))
-    return maximise(encloser, objective, tolerance, reached=reached, at=at, on_share=on_share)
+    found = maximise(encloser, objective, tolerance, reached=reached, at=at, on_share=on_share)
+    low, high = encloser.universe_e
+    if found.bound >= (high if too_close else -low):
+        return replace(found, bound=np.inf)
+    return replace(found, bound=float(np.nextafter(found.bound, np.inf))) if np.isfinite(found.bound) else found
 
 
 def _part(on_share: OnShare | None, index: int, count: int) -> OnShare | None:

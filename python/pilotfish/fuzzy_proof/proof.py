@@ -39,7 +39,9 @@ OnStage = Callable[[str, float], None]  # what is being proved, and the share of
 
 @dataclass(frozen=True)
 class Proof:
-    """Numbers in units of the universes, but for ``following``. An Optimum has the proved bound and what is reached."""
+    """Numbers in units of the universes, but for ``following``. An Optimum has the proved bound and what is reached.
+
+    Of ``range.low`` the bound is below what is reached; of all others above it."""
 
     name: str
     pieces: int

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.metrics import Metrics, evaluate, steady_window
+from pilotfish.metrics import MIN_SETTLED_S, Metrics, evaluate, steady_window
 from pilotfish.recording import Recording
 
 
@@ -19,6 +19,7 @@ class Metric:
     unit: str  # as axes show it
     text: str
     of: Callable[[Recording, Metrics], float | None]
+    missing: str = ""  # why a run that was simulated may not have it
 
 
 def _largest_mm(run: Recording, _: Metrics) -> float:
@@ -40,6 +41,8 @@ METRICS = {
             "s",
             "until it stayed within 50 mm of its steady state; missing if it did not",
             lambda _, m: m.settling_time_s,
+            missing="a run has it only if its distance stayed within 50 mm of its steady state for the last quarter of "
+            f"the run and for at least {MIN_SETTLED_S:g} s",
         ),
         Metric("rms_bearing_deg", "°", f"RMS bearing error, {_STEADY}", lambda _, m: m.rms_bearing_error_deg),
         Metric("mean_bearing_deg", "°", f"mean bearing error, {_STEADY}", lambda _, m: m.mean_bearing_error_deg),

@@ -12,8 +12,8 @@ import numpy as np
 
 from pilotfish.data import did_you_mean
 from pilotfish.errors import ConfigError
-from pilotfish.sweep.metrics import METRICS, OK
-from pilotfish.sweep.store import read_identity, read_rows
+from pilotfish.sweep.metrics import DIED, ERROR, METRICS, OK
+from pilotfish.sweep.store import Say, read_identity, read_rows
 
 FAILED = "failed_percent"
 _FAILED_TEXT = "runs that collided, lost the leader or could not be simulated"
@@ -68,6 +68,23 @@ class Results:
             raise ConfigError(f"no figure '{name}'{near}; there are: {', '.join(self.metrics)}")
         return self.columns[name]
 
+    def check_has(self, metric: str) -> None:
+        """ConfigError says why, if no run has the figure."""
+        if not np.isfinite(self.metric(metric)).any():
+            raise ConfigError(self.missing(metric))
+
+    def missing(self, metric: str) -> str:
+        """Why no run has the figure: how the runs came out, how long they are, what the figure wants."""
+        outcomes = ", ".join(f"{count} {name}" for name, count in self.outcomes().most_common())
+        said = f"no run has {metric} (of {len(self)}: {outcomes})"
+        simulated = sum(count for name, count in self.outcomes().items() if name not in (ERROR, DIED))
+        if not simulated:
+            return f"{said}: none could be simulated; `pilotfish sweep report` says why"
+        why = METRICS[metric].missing
+        duration_s = self.identity.get("duration_s")
+        lasted = f"; these last {duration_s:g} s (duration_s of the campaign)" if duration_s is not None else ""
+        return f"{said}: {why}{lasted}" if why else said
+
     def factor(self, name: str) -> tuple[str, np.ndarray]:
         """(what it is called, each run's value): of a factor, or of a key that a factor's levels set. The end of a
         name is enough where only one ends so ("speed_mps")."""
@@ -119,10 +136,20 @@ def _number(text: str, condition: str) -> float:
         raise ConfigError(f"--where {condition}: '{text}' is not a number") from None
 
 
-def load_results(out: Path) -> Results:
-    """All rows that are there by now; the campaign may still be running."""
-    table = read_rows(out)
-    return Results(read_identity(out), {name: _array(table[name].to_pylist()) for name in table.column_names})
+def load_results(out: Path, say: Say | None = None) -> Results:
+    """All rows that are there by now; the campaign may still be running. ``say`` gets what to warn of."""
+    table, identity = read_rows(out, say), read_identity(out)
+    columns = {name: table[name].to_pylist() for name in table.column_names}
+    figures = set(identity["metrics"])
+    return Results(
+        identity,
+        {name: _numbers(values) if name in figures else _array(values) for name, values in columns.items()},
+    )
+
+
+def _numbers(values: list[Any]) -> np.ndarray:
+    """Of a figure, which is a number even where no run has it."""
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
 def _array(values: list[Any]) -> np.ndarray:
@@ -133,7 +160,7 @@ def _array(values: list[Any]) -> np.ndarray:
         return np.array([str(value).lower() for value in values], dtype=np.str_)
     if len(there) == len(values) and all(isinstance(value, int) for value in there):
         return np.array(values, dtype=np.int64)
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+    return _numbers(values)
 
 
 def metric_label(name: str) -> str:

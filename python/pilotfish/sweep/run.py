@@ -44,16 +44,18 @@ def run_campaign(
     *,
     on_started: OnStarted | None = None,
     on_progress: OnProgress | None = None,
+    on_warning: store.Say | None = None,
     stopping: Stopping = lambda: False,
     clock: Callable[[], float] = time.monotonic,
 ) -> Summary:
-    """Every run that has no row in ``out`` yet. ``on_started`` gets the dashboard's address, or None.
+    """Every run that has no row in ``out`` yet. ``on_started`` gets the dashboard's address, or None; ``on_warning``
+    that a part there is damaged, so that its runs are simulated again.
 
     The rows depend on the campaign alone: not on where they are made, by how many and in which order. Rows are on the
     disk at the latest some seconds after they were made."""
     schema = store.schema_of(campaign)
     with store.opened(out, campaign):
-        done = store.done_runs(out)
+        done = store.take_stock(out, campaign.count, on_warning)
         left = np.setdiff1d(np.arange(campaign.count), done)
         outcomes: Counter[str] = Counter()
         cpu_s, began_s = 0.0, clock()

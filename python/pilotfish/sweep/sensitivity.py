@@ -60,6 +60,7 @@ def sensitivities(results: Results, metric: str, by: str | None = None, logarith
     groups = results.factor(by)[1] if by else np.full(len(results), "")
     per_point = sampling["points"] * (len(names) + 2 if sampling["method"] == "sobol" else 1)
     sample = results.columns["point"] % per_point
+    results.check_has(metric)
     values = results.metric(metric)
     if logarithmic:
         if np.nanmin(values) <= 0.0:

@@ -1,12 +1,12 @@
-"""The folder of a campaign's results: ``campaign.json``, which says what they are of, and rows in parts,
-``runs/part-000001.parquet``. A part is there whole or not at all; a row is in one part only."""
+"""The folder of a campaign's results: ``campaign.json``, which says what they are of, and rows in parts (parts.py). A
+row is in one part only."""
 
 from __future__ import annotations
 
 import fcntl
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,10 +17,13 @@ from pilotfish.errors import CampaignError, ConfigError, MissingFileError
 from pilotfish.extras import require
 from pilotfish.sweep.campaign import Campaign
 from pilotfish.sweep.identity import differences, identity
+from pilotfish.sweep.parts import DamagedPartError, part_name, part_number, read_part
 from pilotfish.sweep.play import Row
 from pilotfish.whole_files import write_whole, written_whole
 
-CAMPAIGN, RUNS, LOCK = "campaign.json", "runs", ".lock"
+CAMPAIGN, RUNS, DAMAGED, LOCK = "campaign.json", "runs", "damaged", ".lock"
+
+Say = Callable[[str], None]
 
 
 @contextmanager
@@ -47,6 +50,8 @@ def opened(out: Path, campaign: Campaign) -> Iterator[None]:
             ) from None
         if before is None:
             write_whole(out / CAMPAIGN, json.dumps(now, indent=1) + "\n")
+        for abandoned in (out / RUNS).glob(".part-*.part"):  # of a process that was killed: nobody else writes here
+            abandoned.unlink()
         yield
 
 
@@ -91,38 +96,85 @@ def parts(out: Path) -> list[Path]:
 def write_part(out: Path, rows: Sequence[Row], schema: Any) -> Path:
     """The rows as the next part; on the disk when this returns."""
     arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
-    there = parts(out)
-    number = int(there[-1].stem.removeprefix("part-")) + 1 if there else 1
-    file = out / RUNS / f"part-{number:06d}.parquet"
     ordered = sorted(rows, key=lambda row: row["run"])
-    with written_whole(file) as partial:
-        parquet.write_table(arrow.Table.from_pylist(ordered, schema=schema), partial)
-        with partial.open("rb") as stream:
-            os.fsync(stream.fileno())
+    stream = arrow.BufferOutputStream()
+    parquet.write_table(arrow.Table.from_pylist(ordered, schema=schema), stream)
+    content = stream.getvalue().to_pybytes()
+    number = 1 + max((part_number(part) for part in parts(out)), default=0)
+    file = out / RUNS / part_name(number, read_identity(out), content)
+    with written_whole(file) as partial, partial.open("wb") as written:
+        written.write(content)
+        written.flush()
+        os.fsync(written.fileno())
     return file
 
 
-def read_rows(out: Path, columns: Sequence[str] | None = None) -> Any:
-    """pyarrow's table of all rows so far, in the order of the runs. CampaignError names a damaged part."""
-    arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
-    read_identity(out)
-    tables = []
+def read_rows(out: Path, say: Say | None = None) -> Any:
+    """pyarrow's table of all rows so far, in the order of the runs. CampaignError names a damaged part, or two that say
+    different things of a run; ``say`` gets a warning where two say the same."""
+    identity = read_identity(out)
+    tables = {}
     for part in parts(out):
         try:
-            tables.append(parquet.read_table(part, columns=None if columns is None else list(columns)))
-        except (arrow.ArrowException, OSError, KeyError) as error:
+            tables[part] = read_part(part, identity)
+        except DamagedPartError as error:
             raise CampaignError(
-                f"{part}: damaged ({str(error).splitlines()[0]}). Delete it and call `pilotfish sweep FILE` again: "
-                "its runs are simulated once more"
+                f"{part}: {error}. Call `pilotfish sweep FILE --out {out}` again: its runs are simulated once more"
             ) from error
     if not tables:
         raise MissingFileError(f"{out}: no run is done yet")
-    table = arrow.concat_tables(tables)
-    return table.sort_by("run") if "run" in table.column_names else table
+    return _joined(tables, say)
 
 
-def done_runs(out: Path) -> np.ndarray:
-    """The numbers of the runs that have a row, in order."""
-    if not parts(out):
-        return np.zeros(0, dtype=np.int64)
-    return read_rows(out, ["run"])["run"].to_numpy()
+def take_stock(out: Path, count: int, say: Say | None = None) -> np.ndarray:
+    """The numbers of the runs that have a row, in order, of ``count`` runs. Only for who has ``opened`` the folder: a
+    damaged part is moved to ``damaged``, so that its runs count as not done, and ``say`` is told so."""
+    identity = read_identity(out)
+    tables = {}
+    for part in parts(out):
+        try:
+            table = read_part(part, identity)
+            if max(table["run"].to_pylist(), default=0) >= count:
+                raise DamagedPartError(f"damaged (it has runs beyond {count - 1}, the last of the campaign)")
+            tables[part] = table
+        except DamagedPartError as error:
+            kept = out / DAMAGED / part.name
+            kept.parent.mkdir(exist_ok=True)
+            part.replace(kept)
+            if say:
+                say(f"{part}: {error}. Its runs count as not done, and are simulated again; it is kept as {kept}")
+    return _joined(tables, say)["run"].to_numpy() if tables else np.zeros(0, dtype=np.int64)
+
+
+def _joined(tables: dict[Path, Any], say: Say | None) -> Any:
+    """All rows in the order of the runs, each once. A part that was copied has its runs a second time: the same bits
+    are dropped with a warning, others are an error that names both files."""
+    arrow = require("pyarrow", "sweep")
+    first: dict[int, tuple[Path, int]] = {}  # by run: where it stands
+    kept: list[Any] = []
+    for part, table in tables.items():
+        if kept and not table.schema.equals(kept[0].schema):
+            raise CampaignError(f"{part}: its columns are of other kinds than those of {next(iter(tables))}; delete it")
+        new, twice = [], []
+        for row, run in enumerate(table["run"].to_pylist()):
+            (twice if run in first else new).append(row)
+            if run in first:
+                other, there = first[run]
+                if _bits(table, row) != _bits(tables[other], there):
+                    raise CampaignError(
+                        f"run {run} is in two parts that say different things of it: {other} and {part}. Delete the "
+                        "one that does not belong there"
+                    )
+            else:
+                first[run] = (part, row)
+        if twice and say:
+            others = ", ".join(sorted({str(first[run][0]) for run in table["run"].take(twice).to_pylist()}))
+            say(f"{part}: {len(twice)} of its {len(table)} runs are also in {others}, with the same rows: counted once")
+        kept.append(table.take(arrow.array(new, arrow.int64())) if twice else table)
+    return arrow.concat_tables(kept).sort_by("run")
+
+
+def _bits(table: Any, row: int) -> list[Any]:
+    """A row as values that are equal only if their bits are: NaN is itself, and 0 is not -0."""
+    (values,) = table.slice(row, 1).to_pylist()
+    return [(name, value.hex() if isinstance(value, float) else value) for name, value in values.items()]
