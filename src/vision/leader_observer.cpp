@@ -195,7 +195,29 @@ LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image,
       attempt.add(tracker_.track(image, prediction, {}, &stopwatch_));
     }
   }
+  if (attempt.tags.empty()) track_unsure(image, detections, origin_px, attempt);
   return attempt;
+}
+
+/// libapriltag reads with one threshold; what a highlight hides from it, a reading with the levels around each cell may
+/// show. What it says is no more than a place where to look: the gates are the same. Of an id that is there twice,
+/// neither is used.
+void LeaderObserver::track_unsure(const ImageView& image, const Detections& detections,
+                                  const Eigen::Vector2d& origin_px, Attempt& attempt) {
+  const auto has_id = [](const std::vector<TagDetection>& tags, int id) {
+    return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; });
+  };
+  for (const TagDetection& tag : detections.unsure) {
+    const std::optional<std::size_t> on_body = tracker_.find(tag.id);
+    if (!on_body || has_id(detections.unsure, tag.id) != 1 || has_id(detections.tags, tag.id) != 0) continue;
+    std::array<Eigen::Vector2d, 4> corners_px;
+    for (std::size_t i = 0; i < corners_px.size(); ++i) corners_px[i] = tag.corners_px[i] + origin_px;
+    const TagOutcome<TagMeasurement> outcome =
+        tracker_.track(image, tracker_.predict(*on_body, corners_px), {}, &stopwatch_);
+    if (!outcome) continue;  // refused once already
+    attempt.add(outcome);
+    --attempt.rejected.hamming;
+  }
 }
 
 void LeaderObserver::note_foreign(int id) {

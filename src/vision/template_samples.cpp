@@ -123,7 +123,7 @@ void take_pixels(const ImageView& image, const CameraModel& camera, const TagWar
       // almost linear from pixel to pixel.
       for (int step = 0; step < (u == std::ceil(low.x()) ? 5 : 1); ++step)
         g += warp.pixel_jacobian(camera, g).inverse() * (Eigen::Vector2d(u, v) - warp.pixel(camera, g));
-      const Eigen::Vector2d tag = (tag_from_flat * g.homogeneous()).hnormalized();
+      const Eigen::Vector2d tag = warp.tag(tag_from_flat, g);
       if (!(tag.cwiseAbs().maxCoeff() <= reach) || samples.count >= TemplateSamples::kCapacity) continue;
       if (std::fmod(kGoldenSection * turn++, 1.0) >= kept_share) continue;
       add(samples, pattern, g, tag,

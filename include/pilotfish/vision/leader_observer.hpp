@@ -120,6 +120,8 @@ class LeaderObserver {
   /// `origin_px`: the origin, in the picture, of the part that the detections refer to.
   Attempt track_detections(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
                            FoundBy found_by);
+  void track_unsure(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
+                    Attempt& attempt);
   void note_foreign(int id);
   ObservationResult conclude(const Frame& frame, Attempt& attempt,
                              const std::optional<Eigen::Isometry3d>& predicted_cMo);
