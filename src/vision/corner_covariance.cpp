@@ -8,6 +8,10 @@
 namespace pilotfish::vision {
 namespace {
 
+/// Residuals that move the tag so many times as much as independent ones show another shape than the template's. What
+/// that does to corners that are extrapolated from it, they do not say.
+constexpr double kMisfitFrom = 8.0;
+
 /// How many times more the residuals move the tag than independent ones of the same size would. Light, a bent sheet, a
 /// sharpener leave residuals that agree with their neighbours'. With g_c = sum of J_i r_i over the samples of a block
 /// of the tag and e_c = A^-1 g_c, the pull of that block on the position, independent residuals of variance s^2 have
@@ -63,8 +67,10 @@ CornerCovariance covariance_of(const CameraModel& camera, const Fit& fit, const 
   }
   CornerCovariance covariance;
   covariance.agreement = correlation_factor<N>(task.rows, task.samples, unit, fit.noise);
-  covariance.px2 = covariance.agreement * fit.noise * fit.noise * J * unit.template topRows<8>() * J.transpose();
-  covariance.px2.diagonal().array() += residual_variance_px2(fit.appearance, fit.noise, covariance.agreement);
+  const double misfit = std::max(1.0, covariance.agreement / kMisfitFrom);
+  covariance.px2 =
+      misfit * covariance.agreement * fit.noise * fit.noise * J * unit.template topRows<8>() * J.transpose();
+  covariance.px2.diagonal().array() += misfit * residual_variance_px2(fit.appearance, fit.noise, covariance.agreement);
   return covariance;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 
 #include "bent_lanes.hpp"
 #include "blurred_template.hpp"
@@ -37,19 +39,20 @@ constexpr double kMaxResidual_contrasts = 0.05;  ///< a fit on the wrong edges h
 constexpr double kMaxOutlierShare = 0.1;         ///< or more outliers among its samples
 constexpr double kMinNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
 constexpr double kNotConverged_px = 0.1;  ///< a last step of this length or more: it has not converged
-constexpr double kDenseBelow_px = 3.2;    ///< cells smaller than this are sampled pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
 constexpr double kOutlier_sigmas = 3.0;
-constexpr int kLitSteps = 10;         ///< a fit with local levels starts from levels that are rough
+constexpr int kManySteps = 10;        ///< a fit with local levels or a bend starts from ones that are rough
 constexpr double kLitFrom_px = 5.0;   ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
 constexpr double kLightReach = 0.6;   ///< cells: a cell's own gray counts four times as much as its neighbour's
 constexpr double kLitBetter = 0.8;    ///< a fit with local levels must leave less than this of the residual
-constexpr double kBentBetter = 0.9;   ///< the same of a bent sheet
+constexpr double kBentBetter = 0.97;  ///< the same of a bent sheet
 constexpr double kBentFrom_px = 2.0;  ///< a side of a cell; below, a bend cannot be seen
 constexpr double kLikelyBend = 0.25, kLargestBend = 0.6;  ///< half the tag's side over the radius
-constexpr double kAgree = 4.0;  ///< residuals that move the tag so many times as much as independent ones are none
+constexpr double kUselessResidual_contrasts = 0.12;
+constexpr double kInnerBetter = 0.8;  ///< the same without the outer edges
+constexpr double kAgree = 2.0;  ///< residuals that move the tag so many times as much as independent ones are none
 
 /// Side of a cell in pixels, along the axis of the tag that looks shorter.
 double smallest_cell_px(const TagWarp& warp, const TagPattern& pattern) {
@@ -297,7 +300,7 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   take(task.cell_px > kLargeCell_px ? kManySamples : kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
-  for (int i = 0; i < (task.samples.light != nullptr ? kLitSteps : 6); ++i) {
+  for (int i = 0; i < (task.samples.light != nullptr || task.bent ? kManySteps : 6); ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return false;
     if (move_px < kConverged_px) return true;
@@ -336,7 +339,7 @@ bool settle_bent(Task& task, const Fit* plain, Fit& fit) {
   task.bent = true;
   fit.warp.aim_normal();
   const Fit start = fit;
-  bool settled = plain != nullptr && settle(task, true, fit);
+  bool settled = (plain != nullptr || fit.warp.is_bent()) && settle(task, true, fit);
   if (!settled) {
     fit = start;
     settled = pull_in(task, fit) && settle(task, true, fit);
@@ -345,9 +348,51 @@ bool settle_bent(Task& task, const Fit* plain, Fit& fit) {
   return settled && (plain == nullptr || unexplained(fit) < kBentBetter * unexplained(*plain));
 }
 
+/// The same without the outer edges: on a print that is cut close to them something dark lies where white is expected.
+/// Pixel by pixel the inner edges are few, and worth less than a dark rim costs until the fit is of no use with it.
+bool settle_inside(Task& task, const Fit* plain, Fit& fit) {
+  if (plain != nullptr && task.cell_px < kDenseBelow_px &&
+      plain->noise < kUselessResidual_contrasts * plain->appearance.contrast())
+    return false;
+  task.samples.inner_only = true;
+  const bool settled = settle(task, plain != nullptr, fit) || (pull_in(task, fit) && settle(task, true, fit));
+  task.samples.inner_only = false;
+  return settled && (plain == nullptr || unexplained(fit) < kInnerBetter * unexplained(*plain));
+}
+
 /// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
 bool explains(const Fit& fit) {
   return fit.noise < kMaxResidual_contrasts * fit.appearance.contrast() && fit.outlier_share < kMaxOutlierShare;
+}
+
+/// What may explain a picture that a flat, evenly lit tag with a white ring does not.
+enum class Model { bent, inside, lit };
+
+/// Tries `models` from `start` and takes the one that leaves the least of the picture unexplained, if there is one that
+/// is better than `plain`. `task` then holds its normal equations.
+bool settle_best(std::initializer_list<Model> models, Task& task, const Fit* plain, const Fit& start, Fit& fit) {
+  LevelField light;
+  const auto settle_as = [&](Model model, const Fit* than, Fit& each) {
+    if (model == Model::bent) return settle_bent(task, than, each) && explains(each);
+    if (model == Model::inside) return settle_inside(task, than, each) && explains(each);
+    return settle_lit(task, light, than, each);
+  };
+  const Fit from = start;
+  const Fit flat = plain != nullptr ? *plain : start;
+  std::optional<Model> best;
+  for (Model model : models) {
+    Fit each = from;
+    if (!settle_as(model, plain != nullptr ? &flat : nullptr, each)) continue;
+    if (best && unexplained(each) >= unexplained(fit)) continue;
+    fit = each;
+    best = model;
+  }
+  if (!best) return false;
+  if (*best == *(models.end() - 1)) return true;
+  Fit again = fit;
+  if (!settle_as(*best, nullptr, again)) return false;
+  fit = again;
+  return true;
 }
 
 }  // namespace
@@ -368,24 +413,23 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
     const bool settled = pull_in(task, near) && settle(task, true, near);
     if (!settled || !explains(near)) {
       const Fit* plain = settled ? &near : nullptr;
-      LevelField light;
-      Fit bent = settled ? near : fit, lit = bent;
-      if (settle_bent(task, plain, bent) && explains(bent))
-        near = bent;
-      else if (settle_lit(task, light, plain, lit))
-        near = lit;
-      else if (!settled || !settle(task, true, near))  // once more, for its normal equations
+      const Fit from = settled ? near : fit;
+      Fit anew = fit;
+      if (settle_best({Model::bent, Model::inside, Model::lit}, task, plain, from, near)) {
+      } else if (settled && settle_bent(task, nullptr, anew) && explains(anew)) {
+        near = anew;
+      } else if (!settled || !settle(task, true, near)) {  // once more, for its normal equations
         return std::nullopt;
+      }
     }
   }
   if (!(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
   CornerCovariance covariance = corner_covariance(camera, near, task);
+  // What moves all of its parts one way is no noise: a bend, or something dark beside the outer edges.
   if (covariance.agreement > kAgree && !near.warp.is_bent()) {
-    Fit bent = near;
-    if (settle_bent(task, &near, bent)) {
-      near = bent;
+    const Fit plain = near;
+    if (settle_best({Model::bent, Model::inside}, task, &plain, plain, near))
       covariance = corner_covariance(camera, near, task);
-    }
   }
   fit = near;
 
