@@ -7,8 +7,7 @@
 namespace pilotfish::vision {
 namespace {
 
-constexpr float kBrightened = 0.1F;  ///< of the contrast, above white
-constexpr int kReach = 3;            ///< cells farther away do not count
+constexpr int kReach = 3;  ///< cells farther away do not count
 
 /// The weighted mean of 3 x 3 pixels; negative outside the picture.
 float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
@@ -20,19 +19,6 @@ float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
   const auto row = [](const std::uint8_t* p) { return p[-1] + 2 * p[0] + p[1]; };
   return static_cast<float>(row(middle - image.stride_bytes) + 2 * row(middle) + row(middle + image.stride_bytes)) /
          16.0F;
-}
-
-/// Of the known cells of one colour; 255 if there are none.
-template <class Grays, class Colours>
-float median_of(const Grays& gray, const Colours& white, bool of_white) {
-  Grays known;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < gray.size(); ++i)
-    if (gray[i] >= 0.0F && white[i] == of_white) known[count++] = gray[i];
-  if (count == 0) return 255.0F;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(known.begin(), middle, known.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle;
 }
 
 }  // namespace
@@ -60,15 +46,8 @@ bool LevelField::measure(const ImageView& image, const CameraModel& camera, cons
   for (std::size_t d2 = 0; d2 < weight.size(); ++d2)
     weight[d2] = static_cast<float>(std::exp(-0.5 * static_cast<double>(d2) / (reach_cells * reach_cells)));
 
-  const float usual[2] = {median_of(gray, white, false), median_of(gray, white, true)};
-  brightened_from_ = usual[1] + kBrightened * (usual[1] - usual[0]);
   for (int row = 0; row < side_; ++row)
     for (int column = 0; column < side_; ++column) {
-      float& brightest = brightest_[static_cast<std::size_t>(row) * kSide + column];
-      brightest = 0.0F;
-      for (int j = std::max(row - 1, 0); j <= std::min(row + 1, side_ - 1); ++j)
-        for (int i = std::max(column - 1, 0); i <= std::min(column + 1, side_ - 1); ++i)
-          brightest = std::max(brightest, gray[static_cast<std::size_t>(j) * kSide + i]);
       float sum[2] = {0.0F, 0.0F}, weights[2] = {0.0F, 0.0F};
       for (int j = std::max(row - kReach, 0); j <= std::min(row + kReach, side_ - 1); ++j)
         for (int i = std::max(column - kReach, 0); i <= std::min(column + kReach, side_ - 1); ++i) {
@@ -85,13 +64,6 @@ bool LevelField::measure(const ImageView& image, const CameraModel& camera, cons
       levels_[static_cast<std::size_t>(row) * kSide + column] = {sum[0] / weights[0], sum[1] / weights[1]};
     }
   return true;
-}
-
-bool LevelField::is_brightened(const Eigen::Vector2d& tag) const {
-  const auto index = [this](double at) {
-    return static_cast<std::size_t>(std::clamp(at / cell_side_ + 0.5 * side_, 0.0, side_ - 1.0));
-  };
-  return brightest_[index(tag.y()) * kSide + index(tag.x())] > brightened_from_;
 }
 
 LevelField::Levels LevelField::at(const Eigen::Vector2d& tag) const {

@@ -22,8 +22,6 @@ class LevelField {
   bool measure(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
                double reach_cells, bool without_own);
   Levels at(const Eigen::Vector2d& tag) const;  ///< in tag coordinates
-  /// Whether a reflection brightens the cell there: it or one beside it is clearly brighter than white is elsewhere.
-  bool is_brightened(const Eigen::Vector2d& tag) const;
 
  private:
   static constexpr int kSide = 14;  ///< cells of the largest family's print, with its rings
@@ -31,8 +29,6 @@ class LevelField {
 
   int side_ = 0;
   double cell_side_ = 1.0;
-  float brightened_from_ = 256.0F;                                          ///< gray level
-  std::array<float, static_cast<std::size_t>(kSide) * kSide> brightest_{};  ///< of 3 x 3 cells
   std::array<Levels, static_cast<std::size_t>(kSide) * kSide> levels_{};
 };
 

@@ -91,12 +91,6 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     const double sign = cell.white ? 1.0 : -1.0;
     // Half of the change that the other colour would make, less the difference from the right one.
     const double certainty = 0.5 * contrast * across.own * down.own + sign * (gray - (black + contrast * T));
-    // A reflection only adds light: a black cell that it makes white is hidden, not wrong. How many may be hidden, the
-    // tracker says; a white one that is black is wrong in any light.
-    if (light != nullptr && certainty <= 0.0 && !cell.white && light->is_brightened(cell.centre)) {
-      ++(cell.data ? reading.unread_bits : reading.unread_frame_cells);
-      continue;
-    }
     if (cell.data) {
       reading.wrong_bits += certainty <= 0.0 ? 1 : 0;
       sum += 2.0 * sign * (gray - (black + 0.5 * contrast));
@@ -121,7 +115,7 @@ TagReading read_tag(const ImageView& image, const CameraModel& camera, const Tag
     return reading;
   const TagReading locally = read_cells(image, camera, pattern, registration, &light);
   const auto wrong = [](const TagReading& r) { return r.wrong_bits + r.unread_bits + r.wrong_frame_cells; };
-  return locally.wrong_bits < reading.wrong_bits || wrong(locally) < wrong(reading) ? locally : reading;
+  return wrong(locally) < wrong(reading) ? locally : reading;
 }
 
 }  // namespace pilotfish::vision

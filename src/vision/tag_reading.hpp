@@ -9,12 +9,11 @@ namespace pilotfish::vision {
 
 /// The result of reading the cells of a template one by one.
 struct TagReading {
-  int bits = 0;                ///< of the code
-  int unread_bits = 0;         ///< of these: outside the picture, without contrast around them, or in a reflection
-  int wrong_bits = 0;          ///< of these: nearer to the other colour
-  int wrong_frame_cells = 0;   ///< of the rings that all tags of the family share
-  int unread_frame_cells = 0;  ///< hidden by a reflection
-  int frame_cells = 0;         ///< that were read
+  int bits = 0;               ///< of the code
+  int unread_bits = 0;        ///< of these: outside the picture, or without contrast around them
+  int wrong_bits = 0;         ///< of these: nearer to the other colour
+  int wrong_frame_cells = 0;  ///< of the rings that all tags of the family share
+  int frame_cells = 0;
   /// Mean contrast of the bits, in gray levels: twice their distance from the middle gray, wrong ones negative.
   /// AprilTag's, which sharpens the picture first, is of the same size.
   double decision_margin = 0.0;

@@ -141,7 +141,6 @@ TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t 
   if (reading.wrong_bits > max_hamming_)
     return {TagRefusal::hamming, at_most("wrong bits", reading.wrong_bits, max_hamming_)};
   if (reading.wrong_frame_cells > kWrongFrameCells * reading.frame_cells) return TagRefusal::hamming;
-  if (reading.unread_frame_cells > kMaxUnread * reading.frame_cells) return TagRefusal::hamming;
   if (reading.decision_margin < min_decision_margin_)
     return {TagRefusal::margin, at_least("contrast", reading.decision_margin, min_decision_margin_, "gray levels")};
   const double residual = fit.residual_rms / fit.appearance.contrast();

@@ -103,38 +103,6 @@ def test_a_far_print_on_which_white_bleeds_into_black_is_read_at_a_slant():
         assert Ours(VGA, LEADER, tracking=False).track(photograph(cMt, chain=chain), 1).cMt is not None
 
 
-HIGHLIGHT = dataclasses.replace(CONDITION["highlight"].lighting, highlight_at_m=(0.06, 0.0))
-
-
-@pytest.mark.parametrize("distance_m", [0.65, 1.1])
-def test_a_highlight_that_hides_bits_does_not_hide_the_leader(distance_m):
-    # Black under it is as bright as white beside it, so that one threshold, libapriltag's, reads some bits wrong.
-    cMt = tag_pose(distance_m, azimuth_rad=0.05, yaw_rad=0.2)
-    image = photograph(cMt, lighting=HIGHLIGHT)
-    detector = vision.TagDetector(config=vision.TagDetectorConfig(decimation=1))
-    found = detector.detect(image)
-    assert (found.tags, [tag.id for tag in found.unsure]) == ([], [SHEET.tag_id])
-    answer = Ours(VGA, LEADER, tracking=False).track(image, 1)
-    assert answer.cMt is not None
-    off = np.abs(off_by(answer.claim, cMt))
-    assert np.all(off < 5.0 * np.sqrt(np.diag(answer.claim.covariance)))
-
-
-def test_a_leader_of_other_bits_under_the_same_highlight_is_not_taken_for_it():
-    # Bits that a highlight hides count neither way, but another id of 36h11 differs in 11 and at most 7 may be hidden.
-    cMt = tag_pose(0.65, yaw_rad=0.2)
-    tracker = vision.TagTracker(camera=VGA, body=LEADER)
-    place = tracker.predict_at(SHEET.tag_id, corners_px=corners_px(VGA, cMt))
-    glare = dataclasses.replace(HIGHLIGHT, highlight_at_m=(0.03, 0.0))
-    assert isinstance(tracker.track(photograph(cMt, lighting=glare), place), vision.TagMeasurement)
-    for other in (3, 17, 99, 200, 321, 450):
-        sheet = dataclasses.replace(SHEET, tag_id=other)
-        for at_m in ((0.03, 0.0), (-0.03, 0.02), (0.0, -0.03)):
-            lighting = dataclasses.replace(HIGHLIGHT, highlight_at_m=at_m)
-            refusal = tracker.track(photograph(cMt, lighting=lighting, sheet=sheet), place)
-            assert isinstance(refusal, vision.TagRefusal), (other, at_m)
-
-
 def test_a_tag_that_is_followed_is_used_while_it_is_partly_outside():
     figures = followed("partly outside", 0.38, count=40)
     assert figures.seen == 1.0
