@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import lcm
@@ -23,8 +24,19 @@ LINE_CONFIG = shipped.path("config/line.yaml")
 def leader_camera(folder: Path, *, format: str = "GREY", rate_hz: int = 30) -> FakeCamera:
     """Sees a leader that stands 2.4 m ahead, farther than it should (so the robot drives), with the noise of a sensor.
     Further series: black, saturated, blurred, empty (no leader), frozen (one picture, for ever), cut_off (MJPG)."""
+    return FakeCamera(folder, _series(format), format=format, rate_hz=rate_hz)
+
+
+@cache
+def _series(format: str) -> dict[str, list[np.ndarray | bytes]]:
+    """Made once: the noise takes as long as a test."""
+    if format == "MJPG":
+        whole = [encode(picture, format) for picture in _series("GREY")["leader"]]
+        return _series("GREY") | {"cut_off": [jpeg[: len(jpeg) * 2 // 3] for jpeg in whole]}
+    if format != "GREY":
+        return _series("GREY")
     image = leader_pictures(1)[0].image
-    pictures = {
+    return {
         "leader": noisy(image),
         "black": noisy(np.full_like(image, 16)),
         "saturated": [np.full_like(image, 255)],
@@ -32,10 +44,6 @@ def leader_camera(folder: Path, *, format: str = "GREY", rate_hz: int = 30) -> F
         "empty": noisy(np.full_like(image, 128)),
         "frozen": noisy(image, count=1),
     }
-    if format == "MJPG":
-        whole = [encode(picture, format) for picture in pictures["leader"]]
-        pictures["cut_off"] = [jpeg[: len(jpeg) * 2 // 3] for jpeg in whole]
-    return FakeCamera(folder, pictures, format=format, rate_hz=rate_hz)
 
 
 def _set(**values: int) -> Callable[[FakeCamera], None]:

@@ -16,14 +16,18 @@ from pilotfish.harness.executables import SIM, find_executable
 ROOT = Path(__file__).parents[1]
 
 
-def blocks(page: str, language: str) -> list[str]:
-    """The fenced blocks of a language, of a page named from the repository's root."""
-    return re.findall(rf"```{language}\n(.*?)```", (ROOT / page).read_text(), flags=re.DOTALL)
+def blocks(page: str, language: str, section: str = "") -> list[str]:
+    """The fenced blocks of a language, of a page named from the repository's root; of its ``section`` (a heading of the
+    second level) alone."""
+    text = (ROOT / page).read_text()
+    if section:
+        text = text.partition(f"\n## {section}\n")[2].partition("\n## ")[0]
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
 
 
-def commands(page: str) -> list[str]:
+def commands(page: str, section: str = "") -> list[str]:
     """Every command line of a page, in order, without its comment. A line that ends in a backslash goes on."""
-    text = "\n".join(blocks(page, "sh")).replace("\\\n", " ")
+    text = "\n".join(blocks(page, "sh", section)).replace("\\\n", " ")
     return [command for line in text.splitlines() if (command := line.split("#")[0].strip())]
 
 

@@ -205,14 +205,19 @@ void Runner::deliver(double now_s) {
   under_way_.erase(std::remove_if(under_way_.begin(), under_way_.end(), due), under_way_.end());
 }
 
+/// When the message at hand came, on the world's time: it may have waited while pictures were rendered.
+double Runner::arrived_after(double start_s) const {
+  return std::max(static_cast<double>(bus_.arrival().us) * 1e-6 - start_s, world_.time_s());
+}
+
 void Runner::obey_bases(const double& start_s) {
   for (const sim::RobotSpec& robot : world_.scenario().robots) {
     if (robot.trajectory) continue;
     bus_.on_base(robot.name, [this, &start_s, name = robot.name](const bus::BaseReport& report) {
       if (start_s <= 0.0) return;
-      const double now_s = monotonic_s() - start_s;
-      world_.command(name, report.command, now_s);
-      commanded_s_[name] = now_s;
+      const double arrived_s = arrived_after(start_s);
+      world_.command(name, report.command, arrived_s);
+      commanded_s_[name] = arrived_s;
     });
   }
 }
@@ -233,7 +238,7 @@ RunSummary Runner::play_in_real_time() {
   for (const sim::RobotSpec& robot : world_.scenario().robots) {
     if (robot.trajectory) continue;
     bus_.on_command(robot.name, [this, &start_s, name = robot.name](const bus::CommandReport& report) {
-      if (start_s > 0.0 && !driven_by_base_) world_.command(name, report.command, monotonic_s() - start_s);
+      if (start_s > 0.0 && !driven_by_base_) world_.command(name, report.command, arrived_after(start_s));
       const auto found = answers_.find(name);
       if (found == answers_.end()) return;
       found->second.command = report.command;
@@ -249,6 +254,7 @@ RunSummary Runner::play_in_real_time() {
   int next = 0;
   while ((next < frames || !under_way_.empty()) && !stop_requested()) {
     double now_s = monotonic_s() - start_s;
+    deliver(now_s);  // before the next exposure: its rendering is not a part of this picture's latency
     if (next < frames && now_s >= exposure_s(next)) {
       // If time was too short, go on with the exposure that is due now.
       const int due = static_cast<int>(now_s * world_.scenario().frame_rate_hz);

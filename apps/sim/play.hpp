@@ -57,6 +57,7 @@ class Runner {
   /// The picture of each of followers_; nothing where the camera drops it.
   std::vector<std::optional<Frame>> expose();
   double latency_s(const std::string& robot) const;
+  double arrived_after(double start_s) const;
   void wait_until_all_are_heard();
   void obey_bases(const double& start_s);
   /// As a motor controller does: wheels without a command for 100 ms stand still.

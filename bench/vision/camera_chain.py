@@ -11,6 +11,7 @@ correlated.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +59,7 @@ class Chain:
         kernel = np.exp(-0.5 * (offsets / self.blur_px) ** 2)
         seen = _convolved(seen, kernel / kernel.sum())
         height, width = seen.shape
-        v, u = np.mgrid[0:height, 0:width]
+        v, u = np.ogrid[0:height, 0:width]
         r2 = ((u - width / 2) ** 2 + (v - height / 2) ** 2) / (width**2 + height**2) * 4
         return seen * (1 - self.vignetting * r2) + self.flare * seen.mean()
 
@@ -85,7 +86,7 @@ class Chain:
 
 def _bayer_colour(shape: tuple[int, int]) -> np.ndarray:
     """(H, W) of 0 red, 1 green, 2 blue: RGGB."""
-    v, u = np.mgrid[0 : shape[0], 0 : shape[1]]
+    v, u = np.ogrid[0 : shape[0], 0 : shape[1]]
     return (v % 2) + (u % 2)
 
 
@@ -97,8 +98,19 @@ def _convolved(image: np.ndarray, kernel: np.ndarray) -> np.ndarray:
     """With the kernel along rows and along columns."""
     reach = len(kernel) // 2
     padded = np.pad(image, reach, mode="edge")
-    rows = sum(weight * padded[:, i : i + image.shape[1]] for i, weight in enumerate(kernel))
-    return sum(weight * rows[i : i + image.shape[0]] for i, weight in enumerate(kernel))
+    rows = _weighted(kernel, (padded[:, i : i + image.shape[1]] for i in range(len(kernel))))
+    return _weighted(kernel, (rows[i : i + image.shape[0]] for i in range(len(kernel))))
+
+
+def _weighted(weights: np.ndarray, images: Iterable[np.ndarray]) -> np.ndarray:
+    """The weighted sum, without a new image for every term."""
+    total = None
+    for weight, image in zip(weights, images, strict=True):
+        if total is None:
+            total, term = weight * image, np.empty(image.shape)
+        else:
+            total += np.multiply(weight, image, out=term)
+    return total
 
 
 def _by_disc(image: np.ndarray, radius_px: float) -> np.ndarray:

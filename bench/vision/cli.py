@@ -18,6 +18,7 @@ import typer
 from bench.vision.baselines import Wheels
 from bench.vision.charts import save_charts
 from bench.vision.compiled import load_compiled
+from bench.vision.conditions import CONDITIONS, Condition
 from bench.vision.goals import Goal
 from bench.vision.parts import PARTS, QUICK, Effort, Outcome, Task
 from bench.vision.tables import goals_table
@@ -39,6 +40,9 @@ def main(
     part: Annotated[
         list[PartName] | None, typer.Option(help="Only this part; may be given several times. Default: all.")
     ] = None,
+    condition: Annotated[
+        list[str] | None, typer.Option(help="Only this condition of the part `chains`; may be given several times.")
+    ] = None,
     frames_without_leader: Annotated[
         int | None, typer.Option(min=20, help="Frames without the leader, in which a detection is false.")
     ] = None,
@@ -55,16 +59,18 @@ def main(
       scripts/bench vision                               everything, 10 to 20 minutes
       scripts/bench vision -- --quick                    a few frames of everything
       scripts/bench vision -- --part drive --part lens   these alone
+      scripts/bench vision -- --part chains --condition 'rolling shutter'
       scripts/bench vision -- --part without-leader --frames-without-leader 100000
     """
     effort = QUICK if quick else Effort()
     if frames_without_leader is not None:
         effort = replace(effort, without_leader=frames_without_leader)
+    conditions = _conditions(condition)
     names = [chosen.value for chosen in part] if part else list(PARTS)
     with friendly_errors():
         compiled = load_compiled(console.print)
         with Wheels() as wheels:
-            timed = _run_parts(names, Cast(compiled, wheels), effort, seed)
+            timed = _run_parts(names, Cast(compiled, wheels), effort, seed, conditions)
     outcomes = {name: outcome for name, (outcome, _) in timed.items()}
     for outcome in outcomes.values():
         for table in outcome.tables:
@@ -88,13 +94,25 @@ def main(
         console.print(f"wrote {written}", soft_wrap=True)
 
 
-def _run_parts(names: list[str], cast: Cast, effort: Effort, seed: int) -> dict[str, tuple[Outcome, float]]:
+def _conditions(names: list[str] | None) -> tuple[Condition, ...]:
+    if not names:
+        return CONDITIONS
+    known = {each.name: each for each in CONDITIONS}
+    for name in names:
+        if name not in known:
+            raise typer.BadParameter(f"no condition '{name}'; there are: {', '.join(known)}")
+    return tuple(known[name] for name in names)
+
+
+def _run_parts(
+    names: list[str], cast: Cast, effort: Effort, seed: int, conditions: tuple[Condition, ...]
+) -> dict[str, tuple[Outcome, float]]:
     """What came of each part, and how long it took [s]."""
     outcomes = {}
     for name in names:
         part, start = PARTS[name], time.monotonic()
-        with _counting(part.label, part.frames(effort)) as on_frame:
-            outcome = part.run(Task(cast, effort, seed, on_frame))
+        with _counting(part.label, part.frames(effort, conditions)) as on_frame:
+            outcome = part.run(Task(cast, effort, seed, on_frame, conditions))
         outcomes[name] = (outcome, round(time.monotonic() - start, 1))
     return outcomes
 

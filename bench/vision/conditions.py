@@ -12,15 +12,18 @@ import numpy as np
 from bench.vision import printed_sheet
 from bench.vision.camera_chain import Chain
 from bench.vision.printed_sheet import Lighting, Sheet
-from bench.vision.scenes import FRAME_RATE_HZ, TAG_ID, TAG_SIZE_M, VGA, Motion, Picture, camera_of, tag_pose
+from bench.vision.scenes import FRAME_RATE_HZ, TAG_ID, TAG_SIZE_M, VGA, Motion, Picture, camera_of, corners_px, tag_pose
 from pilotfish import core
 
 TYPICAL = Chain()
 WEBCAM = Chain(blur_px=0.8, defocus_px=1.0, full_well=2500, read_noise=8, bayer=True, sharpening=1.0, jpeg=70)
+ROLLING = camera_of(640, 480, 600.0, readout_s=0.03)
 LENS = camera_of(640, 480, 600.0, k1=-0.25, k2=0.08)
 FAR_M = (0.65, 1.1, 2.44, 5.0, 8.0)
 NEAR_M = (0.65, 1.1, 2.44)
 BURST, PAUSE_S = 8, 1.0  # frames that follow one another; then the leader is lost and has moved on
+ROLLING_SHUTTER = "rolling shutter"
+BAND_ROWS = 4  # that a rolling shutter exposes at once
 EVEN = Lighting()
 SHEET = Sheet(tag_id=TAG_ID, size_m=TAG_SIZE_M)
 
@@ -35,22 +38,48 @@ class Condition:
     lighting: Lighting = EVEN
     camera: core.CameraModel = VGA
     distances_m: tuple[float, ...] = NEAR_M
+    sideways_radps: float = 0.0  # the tag goes from side to side as fast as that; 0: as a leader indoors
     nearing: bool = False  # the tag comes so near that it is partly outside the picture
+
+    @property
+    def in_one_go(self) -> bool:
+        """Without pauses in which the leader is lost."""
+        return self.nearing or self.camera.readout_s > 0
 
     def pictures(self, distance_m: float, count: int, seed: int) -> Iterator[Picture]:
         """`count` frames of a leader that moves about at that distance. Same seed: same bytes."""
         rng = np.random.default_rng([seed, zlib.crc32(self.name.encode()), round(1000 * distance_m)])
-        path = _nearing(distance_m, rng) if self.nearing else Motion(distance_m).path(rng)
+        path = _nearing(distance_m, rng) if self.nearing else self._motion(distance_m).path(rng)
         behind = printed_sheet.backdrop(self.camera, rng)
         phases = rng.uniform(0, 2 * np.pi, 4)
         sheet = replace(self.sheet, seed=int(rng.integers(1000)))
         for index in range(count):
-            t = index / FRAME_RATE_HZ + (0.0 if self.nearing else (index // BURST) * PAUSE_S)
+            t = index / FRAME_RATE_HZ + (0.0 if self.in_one_go else (index // BURST) * PAUSE_S)
             cMt = path(t)
             pan = int(100 + 90 * math.sin(0.7 * t + phases[0]))
             light = behind[:, pan : pan + self.camera.width].copy()
-            printed_sheet.show(light, self.camera, cMt, sheet, self._light_at(t, phases))
-            yield Picture(self.chain.photograph(light, rng), cMt, 1_000_000 + round(t * 1e6))
+            self._show(light, path, t, sheet, self._light_at(t, phases))
+            truth = path(t + self._exposed_after_s(corners_px(self.camera, cMt)[:, 1].mean()))
+            yield Picture(self.chain.photograph(light, rng), truth, 1_000_000 + round(t * 1e6))
+
+    def _motion(self, distance_m: float) -> Motion:
+        if self.sideways_radps > 0:
+            return Motion(distance_m, sideways_mps=self.sideways_radps * distance_m)
+        return Motion(distance_m)
+
+    def _exposed_after_s(self, row: float) -> float:
+        """After the picture's time, which is that of the middle row."""
+        return self.camera.readout_s * ((row + 0.5) / self.camera.height - 0.5)
+
+    def _show(
+        self, light: np.ndarray, path: Callable[[float], np.ndarray], t: float, sheet: Sheet, lighting: Lighting
+    ) -> None:
+        if self.camera.readout_s == 0:
+            printed_sheet.show(light, self.camera, path(t), sheet, lighting)
+            return
+        for row in range(0, self.camera.height, BAND_ROWS):
+            cMt = path(t + self._exposed_after_s(row + 0.5 * (BAND_ROWS - 1)))
+            printed_sheet.show(light, self.camera, cMt, sheet, lighting, (row, row + BAND_ROWS))
 
     def _light_at(self, t: float, phases: np.ndarray) -> Lighting:
         across, aside, above = (
@@ -101,6 +130,7 @@ SHOWN = (
     Condition("white-out", replace(TYPICAL, exposure=3.0)),
     Condition("highlight", lighting=Lighting(highlight=1.2)),
     Condition("curved", sheet=replace(SHEET, radius_m=0.35)),
+    Condition(ROLLING_SHUTTER, camera=ROLLING, sideways_radps=0.7),
     Condition("partly outside", nearing=True, distances_m=(0.47, 0.38, 0.32)),
 )
 CONDITIONS = (*CHAINS, *SHOWN)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from bench.vision.accuracy import Cells
 from bench.vision.chains import Results
+from bench.vision.conditions import ROLLING_SHUTTER
 from bench.vision.summary import Figures, ratio
 from bench.vision.trackers import ACQUIRED, TRACKED, VISP_1, VISP_2, WHEEL
 from bench.vision.units import mm, ms, percent
@@ -103,6 +104,17 @@ def chain_goals(results: Results) -> Iterator[Goal]:
                 ours.seen >= theirs,
             )
             said = f"{ours.chi2:.2f}, wrong {ours.wrong} of {ours.frames}"
+            if condition == ROLLING_SHUTTER:
+                other = min((VISP_1, WHEEL), key=lambda name, of=trackers: of[name].p95_deg)
+                least = trackers[other].p95_deg
+                yield Goal(
+                    f"{condition}, {d} m: heading p95",
+                    "≤ 0.5",
+                    f"{other}: {least:.2f} deg",
+                    f"{ours.p95_deg:.2f} deg",
+                    ratio(ours.p95_deg, least),
+                    ours.p95_deg <= 0.5 * least,
+                )
             yield Goal(f"{condition}, {d} m: chi2/dof", "≤ 2", "-", said, math.nan, not ours.chi2 > 2.0)
 
 

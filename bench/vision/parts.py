@@ -11,7 +11,7 @@ from bench.vision import goals, sequences
 from bench.vision import trackers as who
 from bench.vision.accuracy import DISTANCES_M, Cells, accuracy
 from bench.vision.chains import ChainFigures, look_at_chains
-from bench.vision.conditions import CONDITIONS
+from bench.vision.conditions import CONDITIONS, Condition
 from bench.vision.drive import drive
 from bench.vision.goals import Goal
 from bench.vision.resolutions import SIZES, cost_by_resolution
@@ -84,6 +84,7 @@ class Task:
     effort: Effort
     seed: int
     on_frame: Callable[[], None]
+    conditions: tuple[Condition, ...] = CONDITIONS  # of the part `chains`
 
 
 def run_accuracy(task: Task) -> Outcome:
@@ -153,7 +154,7 @@ def run_chains(task: Task) -> Outcome:
     def trackers(camera: core.CameraModel) -> list[Tracker]:
         return task.cast.trackers(camera, FLIPPING)
 
-    results = look_at_chains(trackers, CONDITIONS, task.effort.chains, task.seed, task.on_frame)
+    results = look_at_chains(trackers, task.conditions, task.effort.chains, task.seed, task.on_frame)
     data = {
         name: {str(d): _json(figures) for d, figures in by_distance.items()} for name, by_distance in results.items()
     }
@@ -171,27 +172,27 @@ class Part:
 
     label: str
     run: Callable[[Task], Outcome]
-    frames: Callable[[Effort], int]
+    frames: Callable[[Effort, tuple[Condition, ...]], int]
 
 
 PARTS = {
-    "accuracy": Part("accuracy and time", run_accuracy, lambda effort: len(DISTANCES_M) * (effort.vga + effort.hd)),
-    "drive": Part("drive with blur and occlusions", run_drive, lambda effort: effort.drive),
-    "lens": Part("through a lens that distorts", run_lens, lambda effort: effort.lens),
-    "headings": Part("headings of a single tag", run_headings, lambda effort: effort.far + effort.head_on),
+    "accuracy": Part("accuracy and time", run_accuracy, lambda effort, _: len(DISTANCES_M) * (effort.vga + effort.hd)),
+    "drive": Part("drive with blur and occlusions", run_drive, lambda effort, _: effort.drive),
+    "lens": Part("through a lens that distorts", run_lens, lambda effort, _: effort.lens),
+    "headings": Part("headings of a single tag", run_headings, lambda effort, _: effort.far + effort.head_on),
     "visp-images": Part(
-        "ViSP's pictures", run_visp_images, lambda effort: effort.repeats * len(FOCAL_PX) * len(targets())
+        "ViSP's pictures", run_visp_images, lambda effort, _: effort.repeats * len(FOCAL_PX) * len(targets())
     ),
-    "resolutions": Part("cost by resolution", run_resolutions, lambda effort: effort.resolutions * len(SIZES)),
+    "resolutions": Part("cost by resolution", run_resolutions, lambda effort, _: effort.resolutions * len(SIZES)),
     "stages": Part(
-        "where the time goes", run_stages, lambda effort: effort.stages * len(STAGE_DISTANCES_M) * len(MODES)
+        "where the time goes", run_stages, lambda effort, _: effort.stages * len(STAGE_DISTANCES_M) * len(MODES)
     ),
     "chains": Part(
         "cameras, light and prints that nothing models",
         run_chains,
-        lambda effort: effort.chains * sum(len(condition.distances_m) for condition in CONDITIONS),
+        lambda effort, conditions: effort.chains * sum(len(condition.distances_m) for condition in conditions),
     ),
-    "without-leader": Part("frames without a leader", run_without_leader, lambda effort: effort.without_leader),
+    "without-leader": Part("frames without a leader", run_without_leader, lambda effort, _: effort.without_leader),
 }
 
 

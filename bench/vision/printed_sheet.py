@@ -13,6 +13,7 @@ import numpy as np
 from pilotfish import core, vision
 
 SAMPLES = 4  # a side: 16 rays a pixel, on a grid so sheared that no two share a row or a column
+RAYS_AT_ONCE = 2**14  # some rows of the picture, so that what is computed of them stays in the processor's cache
 
 
 @dataclass(frozen=True)
@@ -69,33 +70,54 @@ def backdrop(camera: core.CameraModel, rng: np.random.Generator) -> np.ndarray:
 
 
 def show(
-    light: np.ndarray, camera: core.CameraModel, cMt: np.ndarray, sheet: Sheet, lighting: Lighting | None = None
+    light: np.ndarray,
+    camera: core.CameraModel,
+    cMt: np.ndarray,
+    sheet: Sheet,
+    lighting: Lighting | None = None,
+    rows: tuple[int, int] | None = None,
 ) -> None:
-    """Puts the sheet, at cMt (4, 4), into the picture `light` (H, W)."""
+    """Puts the sheet, at cMt (4, 4), into the picture `light` (H, W), or into rows rows[0] to before rows[1]."""
     lighting = lighting or Lighting()
     first, last = _bounds(camera, cMt, sheet)
+    if rows is not None:
+        first[1], last[1] = max(first[1], rows[0]), min(last[1], rows[1])
     if (last <= first).any():
         return
+    rows = max(1, RAYS_AT_ONCE // (SAMPLES * SAMPLES * (last[0] - first[0])))
+    for top in range(first[1], last[1], rows):
+        _show_rows(light, camera, cMt, sheet, lighting, (first[0], last[0]), (top, min(top + rows, last[1])))
+
+
+def _show_rows(
+    light: np.ndarray,
+    camera: core.CameraModel,
+    cMt: np.ndarray,
+    sheet: Sheet,
+    lighting: Lighting,
+    across: tuple[int, int],
+    down: tuple[int, int],
+) -> None:
+    """Of the picture only the columns and rows from the first to before the last of `across` and `down`."""
     n = SAMPLES
-    columns, rows = np.meshgrid(np.arange((last[0] - first[0]) * n), np.arange((last[1] - first[1]) * n))
-    u = first[0] - 0.5 + (columns + (rows % n + 0.5) / n) / n
-    v = first[1] - 0.5 + (rows + (columns % n + 0.5) / n) / n
-    s, y, hit = _met(_rays(camera, u, v), cMt, sheet.radius_m)
+    shape = (down[1] - down[0], n, across[1] - across[0], n)
+    columns, rows = np.arange(shape[2] * n), np.arange(shape[0] * n)[:, None]
+    u = across[0] - 0.5 + (columns + (rows % n + 0.5) / n) / n
+    v = down[0] - 0.5 + (rows + (columns % n + 0.5) / n) / n
+    s, y, hit = _met(*_ray(camera, u, v), cMt, sheet.radius_m)
     on_board = hit & (np.abs(s) < sheet.board_half_m) & (np.abs(y) < sheet.board_half_m)
     factor, added = lighting.on(s, y)
     shine = np.where(on_board, _reflectance(sheet, s, y) * factor + added, 0.0)
-    by_pixel = (last[1] - first[1], n, last[0] - first[0], n)
-    covered = on_board.reshape(by_pixel).mean(axis=(1, 3))
-    part = (slice(first[1], last[1]), slice(first[0], last[0]))
-    light[part] = light[part] * (1.0 - covered) + shine.reshape(by_pixel).mean(axis=(1, 3))
+    covered = on_board.reshape(shape).mean(axis=(1, 3))
+    part = (slice(*down), slice(*across))
+    light[part] = light[part] * (1.0 - covered) + shine.reshape(shape).mean(axis=(1, 3))
 
 
 def _reflectance(sheet: Sheet, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     cell_m = sheet.size_m / 8
-    bitmap = vision.TagFamily("tag36h11").bitmap(id=sheet.tag_id) > 127  # (10, 10), with its ring of one cell
+    bitmap = vision.TagFamily("tag36h11").bitmap(id=sheet.tag_id) > 127  # (10, 10), with its white ring of one cell
     column, row = (np.floor(c / cell_m + 5).astype(int) for c in (x, y))
-    inside = (column >= 1) & (column <= 8) & (row >= 1) & (row <= 8)
-    white = ~inside | bitmap[np.clip(row, 0, 9), np.clip(column, 0, 9)]
+    white = bitmap[np.clip(row, 0, 9), np.clip(column, 0, 9)]
     paint = np.where(white, sheet.white, sheet.black)
     spots = np.random.default_rng(sheet.seed).uniform(-0.5, 0.5, (sheet.speckles, 2)) * sheet.size_m
     for spot in spots:
@@ -104,24 +126,26 @@ def _reflectance(sheet: Sheet, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.where((np.abs(x) < paper_m) & (np.abs(y) < paper_m), paint, sheet.board)
 
 
-def _met(rays: np.ndarray, cMt: np.ndarray, radius_m: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(x along the sheet, y, whether it is met) of rays (..., 3) in the camera frame."""
+def _met(
+    ray_x: np.ndarray, ray_y: np.ndarray, cMt: np.ndarray, radius_m: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(x along the sheet, y, whether it is met) of rays (x, y, 1) in the camera frame."""
     start = -cMt[:3, :3].T @ cMt[:3, 3]
-    d = rays @ cMt[:3, :3]
+    d = [ray_x * cMt[0, i] + ray_y * cMt[1, i] + cMt[2, i] for i in range(3)]
     if np.isinf(radius_m):
-        reach = -start[2] / d[..., 2]
-        return start[0] + reach * d[..., 0], start[1] + reach * d[..., 1], reach > 0
+        reach = -start[2] / d[2]
+        return start[0] + reach * d[0], start[1] + reach * d[1], reach > 0
     # x^2 + (z - R)^2 = R^2, the nearer of both points.
-    a = d[..., 0] ** 2 + d[..., 2] ** 2
-    b = start[0] * d[..., 0] + (start[2] - radius_m) * d[..., 2]
+    a = d[0] ** 2 + d[2] ** 2
+    b = start[0] * d[0] + (start[2] - radius_m) * d[2]
     root = b * b - a * (start[0] ** 2 + (start[2] - radius_m) ** 2 - radius_m**2)
     reach = (-b - np.sqrt(np.maximum(root, 0.0))) / a
-    x, y, z = (start[i] + reach * d[..., i] for i in range(3))
+    x, y, z = (start[i] + reach * d[i] for i in range(3))
     return radius_m * np.arctan2(x, radius_m - z), y, (root > 0) & (reach > 0)
 
 
-def _rays(camera: core.CameraModel, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """(..., 3) with z = 1: the lens undone by fixed-point iteration."""
+def _ray(camera: core.CameraModel, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x and y at z = 1 of what pixels (u, v) see: the lens undone by fixed-point iteration."""
     xd, yd = (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy
     x, y = xd, yd
     for _ in range(12 if any((camera.k1, camera.k2, camera.k3, camera.p1, camera.p2)) else 0):
@@ -129,7 +153,7 @@ def _rays(camera: core.CameraModel, u: np.ndarray, v: np.ndarray) -> np.ndarray:
         radial = 1 + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3))
         x = (xd - 2 * camera.p1 * x * y - camera.p2 * (r2 + 2 * x * x)) / radial
         y = (yd - camera.p1 * (r2 + 2 * y * y) - 2 * camera.p2 * x * y) / radial
-    return np.stack([x, y, np.ones_like(x)], axis=-1)
+    return x, y
 
 
 def _bounds(camera: core.CameraModel, cMt: np.ndarray, sheet: Sheet) -> tuple[np.ndarray, np.ndarray]:

@@ -1,15 +1,22 @@
 """A whole coordinator in your own process: follow_without_lcm.py CONFIG FOLDER. Pictures in, speeds out; no bus."""
 
+import signal
 import sys
 
 from pilotfish import capture, coordinator
 
+for number in (signal.SIGINT, signal.SIGPIPE):
+    signal.signal(number, signal.SIG_DFL)  # Ctrl-C and `| head` end it, as any program
 if len(sys.argv) != 3:
     sys.exit(__doc__)
-file = coordinator.load_coordinator(sys.argv[1])
+try:
+    file = coordinator.load_coordinator(sys.argv[1])
+    frames = capture.open_images(sys.argv[2], frame_rate_hz=file.frame_rate_hz)
+except (OSError, ValueError) as error:
+    sys.exit(f"follow_without_lcm: {error}")
 pilot = coordinator.Coordinator(file.coordinator)
 
-for frame in capture.open_images(sys.argv[2], frame_rate_hz=file.frame_rate_hz):
+for frame in frames:
     # On a robot this is the monotonic clock, read when the picture arrives. Here time passes as the stamps say.
     result = pilot.step(frame, now_us=frame.utime)
     distance = f", d = {result.observation.distance_m:.3f} m" if result.observation else ""

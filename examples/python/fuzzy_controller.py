@@ -1,9 +1,12 @@
 """A Mamdani controller of one's own, after the paper's pattern (8 x 7 rules), that keeps a cart 1 m behind a leader."""
 
 import math
+import signal
 
 from pilotfish import fuzzy
 
+for number in (signal.SIGINT, signal.SIGPIPE):
+    signal.signal(number, signal.SIG_DFL)  # Ctrl-C and `| head` end it, as any program
 SEVEN = ["NB", "NM", "NS", "ZE", "PS", "PM", "PB"]
 PEAKS = [-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9]
 

@@ -2,8 +2,12 @@
 ahead and 0.3 m to the left, measured without noise."""
 
 import math
+import signal
 
 from pilotfish import control, core, data, fuzzy
+
+for number in (signal.SIGINT, signal.SIGPIPE):
+    signal.signal(number, signal.SIG_DFL)  # Ctrl-C and `| head` end it, as any program
 
 
 class Proportional:

@@ -1,6 +1,7 @@
 """A wheel driver that executes a coordinator's commands: wheel_driver.py ROBOT [LCM_URL]. pilotfish-base does this,
 and more, for differential drives; this is the minimum that is safe."""
 
+import signal
 import sys
 import time
 
@@ -38,6 +39,8 @@ class Wheels:
 
 if len(sys.argv) < 2:
     sys.exit(__doc__)
+for number in (signal.SIGINT, signal.SIGTERM):  # leave the loop, and with it the wheels at zero
+    signal.signal(number, lambda number, frame: sys.exit(128 + number))
 link, wheels = bus.Bus(sys.argv[2] if len(sys.argv) > 2 else ""), Wheels()
 link.on_command(sys.argv[1], wheels.on_command)
 try:
@@ -46,5 +49,8 @@ try:
         if wheels.moving and wheels.until_us <= now_us():
             wheels.moving = False
             turn_wheels(core.Twist())
+except BrokenPipeError:  # nobody reads any more what stands for the wheels here
+    sys.stdout = None
+    sys.exit(141)
 finally:
     turn_wheels(core.Twist())

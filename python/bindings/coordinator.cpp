@@ -204,6 +204,21 @@ PYBIND11_MODULE(coordinator, m) {
            "step() without the vision: what was seen in the frame of that time, or None and why.", py::arg("utime"),
            py::arg("observation"), py::arg("now_us"),
            py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
+      .def("step_recorded",
+           exclusive([](Coordinator& coordinator, std::int64_t utime, const std::optional<Observation>& observation,
+                        std::uint32_t leaders_in_view, std::int64_t now_us, Reason reason, std::int64_t known_age_us) {
+             LeadersSeen in_view{};
+             for (std::size_t i = 0; i < in_view.size(); ++i) in_view[i] = (leaders_in_view >> i & 1U) != 0;
+             return raising_law_exceptions([&] {
+               const py::gil_scoped_release unlocked;
+               return coordinator.step_recorded(utime, {observation, observation ? Reason::none : reason, {}}, in_view,
+                                                {now_us}, known_age_us);
+             });
+           }),
+           "step_observation() from a recording: of the leader that is followed after this frame; bit i of "
+           "leaders_in_view: leader i was in view.",
+           py::arg("utime"), py::arg("observation"), py::arg("leaders_in_view"), py::arg("now_us"),
+           py::arg_v("reason", Reason::no_tag_found, "pilotfish.core.Reason.no_tag_found"), py::arg("known_age_us") = 0)
       .def("step_observations",
            exclusive([](Coordinator& coordinator, std::int64_t utime,
                         const std::vector<std::optional<Observation>>& observations, std::int64_t now_us,

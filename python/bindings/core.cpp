@@ -181,15 +181,15 @@ PYBIND11_MODULE(core, m) {
       "A camera with a Brown-Conrady lens (OpenCV's calibrateCamera: k1, k2, p1, p2, k3) or a Kannala-Brandt one "
       "(OpenCV's fisheye module: k1, k2, k3, k4); (0, 0) is the top-left pixel's centre.")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy, double k1, double k2,
-                       double p1, double p2, double k3, double k4, Lens lens) {
-             CameraModel camera{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, lens};
+                       double p1, double p2, double k3, double k4, Lens lens, double readout_s) {
+             CameraModel camera{width, height, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, lens, readout_s};
              camera.validate();
              return camera;
            }),
            py::kw_only(), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0, py::arg("p2") = 0.0,
            py::arg("k3") = 0.0, py::arg("k4") = 0.0,
-           py::arg_v("lens", Lens::brown_conrady, "pilotfish.core.Lens.brown_conrady"),
+           py::arg_v("lens", Lens::brown_conrady, "pilotfish.core.Lens.brown_conrady"), py::arg("readout_s") = 0.0,
            "width, height, fx, fy, cx, cy in pixels. ConfigError (camera.fx: ...) on sizes or intrinsics that no "
            "camera has.")
       .def_readonly("width", &CameraModel::width, "[px], of the images that were calibrated")
@@ -198,6 +198,8 @@ PYBIND11_MODULE(core, m) {
       .def_readonly("fy", &CameraModel::fy, "focal length along columns [px]")
       .def_readonly("cx", &CameraModel::cx, "principal point, from the centre of the leftmost pixels [px]")
       .def_readonly("cy", &CameraModel::cy, "principal point, from the centre of the topmost pixels [px]")
+      .def_readonly("readout_s", &CameraModel::readout_s,
+                    "from the exposure of the first row to that of the last [s]: rolling shutter; 0: all at once")
       .def_readonly("lens", &CameraModel::lens, "Lens: which of the two models")
       .def_readonly("k1", &CameraModel::k1, "radial distortion of r^2, ViSP's kud; of a fisheye, of the angle squared")
       .def_readonly("k2", &CameraModel::k2, "radial distortion of r^4; of a fisheye, of the angle^4")

@@ -7,18 +7,17 @@ used. On top of them, in Python: ``operating`` talks to a running coordinator, `
 a leader's tags sit, ``cli`` is the command line.
 """
 
-import importlib
-import pkgutil
-from typing import Any
-
 from pilotfish.errors import ConfigError, PilotfishError
 
 __all__ = ["ConfigError", "PilotfishError", "__version__"]
 __version__ = "0.1.0"
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """``import pilotfish; pilotfish.vision``: without a second import, and without loading what is not used."""
+    import importlib  # not above: until the command line has come to its handlers, Ctrl-C prints a traceback
+    import pkgutil
+
     if not name.startswith("_") and any(module.name == name for module in pkgutil.iter_modules(__path__)):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module 'pilotfish' has no attribute '{name}'")

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-import os
-import signal
-
-INTERRUPTED = 130  # 128 + SIGINT, as a shell says it
+from pilotfish.interrupts import Interrupts, is_of_interrupt
 
 
 def main() -> None:
     """The command line. Until it has been imported there is nothing to clean up: Ctrl-C ends the process at once."""
-    handles_interrupts = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # not ignored, as under nohup
-    if handles_interrupts:
-        signal.signal(signal.SIGINT, lambda number, frame: os._exit(INTERRUPTED))
+    interrupts = Interrupts()
+    interrupts.install()
     from pilotfish.cli import main as run
 
-    if handles_interrupts:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        run()
-    except KeyboardInterrupt:
-        raise SystemExit(INTERRUPTED) from None
+        interrupts.working = True
+        try:
+            run()
+        finally:
+            interrupts.working = False
+    except SystemExit as end:
+        if isinstance(end.code, int):
+            end.code = interrupts.exit_code(end.code)
+        raise
+    except BaseException as error:
+        if not is_of_interrupt(error):
+            raise
+        raise SystemExit(interrupts.exit_code()) from None
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pilotfish.errors import RecordingError
 from pilotfish.files import read_text
+from pilotfish.whole_files import written_whole
 
 FloatArray = NDArray[np.float64]
 
@@ -135,8 +136,7 @@ class Recording:
     def to_csv(self, file: str | Path) -> Path:
         """Writes the run; ``from_csv`` gives back the same bits."""
         file = Path(file)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with file.open("w", newline="") as stream:
+        with written_whole(file) as partial, partial.open("w", newline="") as stream:
             for field in fields(Meta):
                 stream.write(f"# {field.name}: {getattr(self.meta, field.name)}\n")
             writer = csv.writer(stream, lineterminator="\n")

@@ -7,7 +7,7 @@ Nothing of the scenarios reported in bench/following is tuned on in its rendered
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,7 @@ from pilotfish.harness.in_process import run_in_process
 from pilotfish.harness.scenario import Scenario
 from pilotfish.metrics import rms_jerk_mps3
 from pilotfish.recording import Recording
+from pilotfish.whole_files import write_whole
 
 
 @dataclass(frozen=True)
@@ -148,11 +149,11 @@ class Tuned:
         for key, value in self.parameters.items():
             section, name = key.split(".")
             sections.setdefault(section, {})[name] = float(f"{value:.6g}")
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(
+        write_whole(
+            file,
             f"# Made by: pilotfish tune {self.driving.name} --trials {self.trials} --seed {self.seed}\n"
             f"# Cost {self.cost:.3f}, before {self.cost_before:.3f} (see pilotfish.tuning).\n"
-            + yaml.safe_dump(sections)
+            + yaml.safe_dump(sections),
         )
         return file
 
@@ -194,20 +195,24 @@ def current_parameters(name: str) -> dict[str, float]:
 def tune(name: str, trials: int, seed: int, on_trial: Callable[[int, int], None] | None = None) -> Tuned:
     """A seeded search with Optuna's TPE; the first trial is what the configuration says. The same seed gives the same
     result."""
+    best = None
+    for best in searching(name, trials, seed):
+        if on_trial:
+            on_trial(best.trials, trials)
+    assert best is not None, "one trial at least"
+    return best
+
+
+def searching(name: str, trials: int, seed: int) -> Iterator[Tuned]:
+    """The same search: after each trial the best so far, which is what ``tune`` with so many trials returns."""
     optuna = require("optuna", "tune")
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    trial_cost, start = Trial(name, seed), current_parameters(name)
-
-    def objective(trial: Any) -> float:
-        parameters = {
-            key: trial.suggest_float(key, span.low, span.high, log=True) for key, span in search_ranges(name).items()
-        }
-        return trial_cost(parameters)
-
+    trial_cost, start, ranges = Trial(name, seed), current_parameters(name), search_ranges(name)
     study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=seed, multivariate=False))
     study.enqueue_trial(start)
-    for done in range(trials):
-        study.optimize(objective, n_trials=1)
-        if on_trial:
-            on_trial(done + 1, trials)
-    return Tuned(Driving(name), dict(study.best_params), study.best_value, study.trials[0].value, trials, seed)
+    for done in range(1, trials + 1):
+        # Asked and told, not study.optimize(): that takes Ctrl-C for a failed trial, and logs its traceback.
+        trial = study.ask()
+        parameters = {key: trial.suggest_float(key, span.low, span.high, log=True) for key, span in ranges.items()}
+        study.tell(trial, trial_cost(parameters))
+        yield Tuned(Driving(name), dict(study.best_params), study.best_value, study.trials[0].value, done, seed)

@@ -15,23 +15,55 @@ _ENDING = ".part"
 
 @contextmanager
 def written_whole(file: Path) -> Iterator[Path]:
-    """Where to write: beside ``file``, which it becomes at the end. On an error, or Ctrl-C, nothing of it stays; what a
-    killed process has left of the same file is removed by the next that writes it."""
+    """Where to write: beside ``file``, which it becomes at the end. On an error, or Ctrl-C, nothing of it stays, nor a
+    folder that was made for it; what a killed process has left of the same file is removed by the next that writes it.
+    An OSError of writing, such as a full disk's, names ``file``."""
     if os.path.lexists(file) and not file.is_file():
-        yield file  # a device or a pipe: nothing to replace
+        with _named(file, file):
+            yield file  # a device or a pipe: nothing to replace
         return
-    file.parent.mkdir(parents=True, exist_ok=True)
-    _remove_abandoned(file)
     partial = file.with_name(f".{file.name}.{os.getpid()}{_ENDING}")
-    with partial.open("wb") as mine:  # its lock tells others that somebody still writes there
-        with suppress(OSError):
-            fcntl.flock(mine, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        try:
-            yield partial
-            partial.replace(file)
-        finally:
-            with suppress(FileNotFoundError):
-                partial.unlink()
+    with _named(file, partial), folder_for(file):
+        _remove_abandoned(file)
+        with partial.open("wb") as mine:  # its lock tells others that somebody still writes there
+            with suppress(OSError):
+                fcntl.flock(mine, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            try:
+                yield partial
+                partial.replace(file)
+            finally:
+                with suppress(FileNotFoundError):
+                    partial.unlink()
+
+
+@contextmanager
+def folder_for(file: Path) -> Iterator[None]:
+    """Makes the folders that are missing above ``file``, and on an error removes those of them that are empty."""
+    missing = missing_folders(file)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        for folder in missing:
+            with suppress(OSError):  # never made, or no longer empty
+                folder.rmdir()
+        raise
+
+
+def missing_folders(file: Path) -> list[Path]:
+    """Those above ``file`` that are not there, the innermost first."""
+    return [folder for folder in file.parents if not os.path.lexists(folder)]
+
+
+@contextmanager
+def _named(file: Path, partial: Path) -> Iterator[None]:
+    """What the system says of ``partial``, or of no file at all, it says of ``file``: that is the name people know."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is not None and error.filename in (None, str(partial), os.fsencode(partial)):
+            raise OSError(error.errno, error.strerror, str(file)) from error
+        raise
 
 
 def _remove_abandoned(file: Path) -> None:

@@ -209,6 +209,7 @@ void BlackBox::frame(const Frame& frame, MonotonicTime now, const StepResult& re
   call.utime = frame.utime;
   call.known_age_us = frame.known_age_us;
   call.coarse_search = frame.coarse_search;
+  call.in_view = core.in_view();
   shared_->record_call(core, [&](std::int64_t sequence) { return encode_frame(sequence, call, result, core.held()); });
 }
 

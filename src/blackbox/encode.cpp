@@ -82,6 +82,7 @@ step_t message_of(std::int64_t sequence, const Call& call, const HeldCommand& he
   message.utime = call.utime;
   message.known_age_us = call.known_age_us;
   message.coarse_search = call.coarse_search;
+  for (std::size_t i = 0; i < call.in_view.size(); ++i) message.leaders_in_view |= call.in_view[i] ? 1 << i : 0;
   message.distance_m = call.setpoint.distance_m;
   message.bearing_rad = call.setpoint.bearing_rad;
   message.run = call.setpoint.run;

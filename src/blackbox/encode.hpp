@@ -12,6 +12,7 @@ struct Call {
   Setpoint setpoint{0.0, 0.0, false};
   Twist twist;
   const RangeScan* scan = nullptr;
+  LeadersSeen in_view{};  ///< of a frame: Coordinator::in_view()
 };
 
 Bytes encode_frame(std::int64_t sequence, const Call& call, const StepResult& result, const HeldCommand& held);

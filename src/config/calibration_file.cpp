@@ -69,6 +69,7 @@ CameraModel from_opencv(const std::string& text, const std::filesystem::path& fi
   if (section.has("distortion_model")) camera.lens = lens_from(section);
   const std::vector<double> matrix = matrix_numbers(section.section("camera_matrix"));
   check_matrix(matrix, section);
+  if (section.has("readout_s")) camera.readout_s = section.number("readout_s", 0.0, CameraModel::kMaxReadout_s);
   camera.fx = matrix[0];
   camera.cx = matrix[2];
   camera.fy = matrix[4];
@@ -135,6 +136,7 @@ CameraModel from_visp(const std::string& text, const std::filesystem::path& file
   camera.fy = xml_number<double>(best, "py");
   camera.cx = xml_number<double>(best, "u0");
   camera.cy = xml_number<double>(best, "v0");
+  if (camera_node.child("readout_s")) camera.readout_s = xml_number<double>(camera_node, "readout_s");
   if (best.child("kud")) camera.k1 = xml_number<double>(best, "kud");
   return camera;
 }

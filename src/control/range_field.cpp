@@ -11,6 +11,7 @@
 namespace pilotfish::control {
 namespace {
 
+constexpr double kTouching_m = 0.05;    // nearer to the turning centre than any surface outside of a robot
 constexpr double kWithin = 1.0 - 1e-6;  // the edge of a cone that is the border of two sectors is in the cone's own
 
 std::size_t sector_of(double direction_rad) noexcept {
@@ -67,6 +68,7 @@ void RangeField::add(const RangeScan& scan, const Twist& own, std::int64_t prese
     readings_[i] = {range_m, scan.first_rad + static_cast<double>(i) * scan.step_rad, taken_at, scan.utime};
   }
   utime_ = scan.utime;
+  step_rad_ = std::abs(scan.step_rad);
 }
 
 void RangeField::moved(const Pose2& before, const Pose2& after) noexcept {
@@ -79,6 +81,12 @@ bool RangeField::fresh_at(std::int64_t utime, double max_age_s) const noexcept {
   return utime_ && seconds_between(*utime_, utime) <= max_age_s;
 }
 
+/// A reading of next to nothing says that something touches the robot. It is not moved along with the robot: that would
+/// bring the surface to its other side, and what is inside the robot already may be left behind.
+///
+/// A ray looks into one sector; into those beside it as well where the next ray is no farther than a sector is wide, so
+/// that no sector between two such rays is missed by rounding.
+///
 /// A cone's reading says that the nearest surface in it is so far away, and not where across it: the worst for whoever
 /// may pass there is everywhere, so the whole arc is a surface. Of each sector the nearest distance counts, in its
 /// middle: that is a degree off at most, and a mirrored world stays one.
@@ -90,18 +98,21 @@ ObstacleView RangeField::view(const RangeReadingModel& model, std::int64_t utime
   const Pose2 there = composed(here_, from);
   const double half_rad = std::max(model.cone_rad, kSector_rad) / 2.0;
   const int steps = std::max(1, static_cast<int>(std::ceil(half_rad / kSector_rad)));
+  const bool dense = model.cone_rad >= kSector_rad || step_rad_ <= kSector_rad / kWithin;
   for (const Reading& reading : readings_) {
     if (reading.range_m < 0.0 || seconds_between(reading.utime, utime) > model.max_age_s) continue;
-    const Pose2 origin = motion_between(there, reading.taken_at);
-    const bool is_known =
-        explained != nullptr &&
-        explains(*explained, origin, origin.heading_rad + reading.direction_rad, half_rad, reading.range_m);
+    const bool touches = reading.range_m < kTouching_m;
+    const double range_m = touches ? kTouching_m : reading.range_m;
+    Pose2 origin = motion_between(there, reading.taken_at);
+    if (touches) origin.x_m = origin.y_m = 0.0;
+    const bool is_known = explained != nullptr &&
+                          explains(*explained, origin, origin.heading_rad + reading.direction_rad, half_rad, range_m);
     for (int i = -steps; i <= steps; ++i) {
       const double direction_rad = origin.heading_rad + reading.direction_rad + kWithin * half_rad * i / steps;
-      view.covered.set(sector_of(direction_rad));
-      if (is_known || reading.range_m >= model.max_range_m) continue;
-      const SurfacePoint point{origin.x_m + reading.range_m * std::cos(direction_rad),
-                               origin.y_m + reading.range_m * std::sin(direction_rad)};
+      if (i == 0 || dense) view.covered.set(sector_of(direction_rad));
+      if (is_known || range_m >= model.max_range_m) continue;
+      const SurfacePoint point{origin.x_m + range_m * std::cos(direction_rad),
+                               origin.y_m + range_m * std::sin(direction_rad)};
       double& nearest = nearest_m[sector_of(std::atan2(point.y_m, point.x_m))];
       nearest = std::min(nearest, std::hypot(point.x_m, point.y_m));
     }

@@ -54,6 +54,7 @@ StepResult Coordinator::step(const Frame& frame, MonotonicTime now) noexcept {
   const StampVerdict verdict = classify(frame.utime, frame.known_age_us, now);
   if (verdict.reason != Reason::none) return not_measured(frame.utime, verdict.reason);
   observe(frame);
+  compare_leaders();
   return step_latest(frame.utime, verdict.age_us);
 }
 
@@ -103,17 +104,20 @@ bool Coordinator::can_follow(const vision::ObservationResult& seen) const noexce
 
 bool Coordinator::another_is_seen() const noexcept {
   for (std::size_t i = 0; i < seen_.size(); ++i)
-    if (i != leader_index() && can_follow(seen_[i])) return true;
+    if (i != leader_index() && in_view_[i]) return true;
   return false;
+}
+
+void Coordinator::compare_leaders() noexcept {
+  in_view_ = {};
+  for (std::size_t i = 0; i < seen_.size(); ++i)
+    in_view_[i] = i == leader_index() ? seen_[i].observation.has_value() : can_follow(seen_[i]);
 }
 
 bool Coordinator::change_leader(std::int64_t utime) noexcept {
   if (observers_.size() == 1) return false;
-  if (!held_.ever_measured && !seen_[leader_index()].observation) return false;  // nobody has been lost yet
-  LeadersSeen seen{};
-  for (std::size_t i = 0; i < seen_.size(); ++i)
-    seen[i] = i == leader_index() ? seen_[i].observation.has_value() : can_follow(seen_[i]);
-  if (!choice_.update(utime, seen)) return false;
+  if (!held_.ever_measured && !in_view_[leader_index()]) return false;  // nobody has been lost yet
+  if (!choice_.update(utime, in_view_)) return false;
   looked_utime_.reset();
   follower_.change_leader();
   return true;
@@ -125,6 +129,18 @@ StepResult Coordinator::step_observation(std::int64_t utime, const vision::Obser
   if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
   clear_seen();
   seen_[leader_index()] = seen;
+  compare_leaders();
+  return step_latest(utime, verdict.age_us);
+}
+
+StepResult Coordinator::step_recorded(std::int64_t utime, const vision::ObservationResult& seen,
+                                      const LeadersSeen& in_view, MonotonicTime now,
+                                      std::int64_t known_age_us) noexcept {
+  const StampVerdict verdict = classify(utime, known_age_us, now);
+  if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
+  std::fill(seen_.begin(), seen_.end(),
+            seen);  // whoever is followed after this frame: of the others only in_view_ counts
+  in_view_ = in_view;
   return step_latest(utime, verdict.age_us);
 }
 
@@ -134,6 +150,7 @@ StepResult Coordinator::step_observations(std::int64_t utime, const std::vector<
   if (verdict.reason != Reason::none) return not_measured(utime, verdict.reason);
   clear_seen();
   std::copy_n(seen.begin(), std::min(seen.size(), seen_.size()), seen_.begin());
+  compare_leaders();
   return step_latest(utime, verdict.age_us);
 }
 

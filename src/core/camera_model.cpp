@@ -92,6 +92,7 @@ void CameraModel::validate() const {
   for (auto [key, value] : {std::pair{"k1", k1}, std::pair{"k2", k2}, std::pair{"p1", p1}, std::pair{"p2", p2},
                             std::pair{"k3", k3}, std::pair{"k4", k4}})
     require(std::isfinite(value), key, value, "distortion must be finite");
+  require(readout_s >= 0.0 && readout_s <= kMaxReadout_s, "readout_s", readout_s, "0 to 0.1 s");
   const bool fisheye = lens == Lens::kannala_brandt;
   require(fisheye || k4 == 0.0, "k4", k4, "only a Kannala-Brandt lens has it");
   for (auto [key, value] : {std::pair{"p1", p1}, std::pair{"p2", p2}})

@@ -133,16 +133,16 @@ Background::Background(const RayGrid& grid, const CameraMounting& mounting, doub
   }
 }
 
-void Background::paint(double robot_heading_rad, Gray16* image) const {
+void Background::paint(double robot_heading_rad, std::size_t first, std::size_t end, Gray16* image) const {
   if (plain_) {
-    std::fill_n(image, columns_.size(), static_cast<Gray16>(128 * 256));
+    std::fill(image + first, image + end, static_cast<Gray16>(128 * 256));
     return;
   }
   const auto turned =
       static_cast<std::uint32_t>(std::lround(-wrap_angle(robot_heading_rad) / (2.0 * kPi) * kColumns * 256.0));
   std::array<std::uint32_t, 1024> words;  // looked up one by one: gathering is no faster
-  for (std::size_t begin = 0; begin < columns_.size(); begin += words.size()) {
-    const std::size_t count = std::min(words.size(), columns_.size() - begin);
+  for (std::size_t begin = first; begin < end; begin += words.size()) {
+    const std::size_t count = std::min(words.size(), end - begin);
     const std::uint32_t *columns = columns_.data() + begin, *rows = rows_.data() + begin;
     for (std::size_t i = 0; i < count; ++i)
       words[i] = panorama_[(rows[i] >> 8) + (((columns[i] + turned) >> 8) & (kColumns - 1))];

@@ -17,8 +17,8 @@ class Background {
  public:
   Background(const RayGrid& grid, const CameraMounting& mounting, double contrast, std::uint64_t seed);
 
-  /// Fills all pixels of the camera as seen by a robot with this heading.
-  void paint(double robot_heading_rad, Gray16* image) const;
+  /// Fills the pixels from `first` to before `end` (row by row) as seen by a robot with this heading.
+  void paint(double robot_heading_rad, std::size_t first, std::size_t end, Gray16* image) const;
 
  private:
   /// The rows that the camera sees. Every word holds the four pixels between which a point lies: itself, the one to its

@@ -225,11 +225,23 @@ bool same_gray(const Facet& facet, const std::array<std::int16_t, 4>& corners) {
   return true;
 }
 
+std::vector<Facet> within(std::vector<Facet> facets, int first_row, int end_row) {
+  for (Facet& facet : facets) {
+    facet.top = std::max(facet.top, first_row);
+    facet.bottom = std::min(facet.bottom, end_row);
+  }
+  facets.erase(
+      std::remove_if(facets.begin(), facets.end(), [](const Facet& facet) { return facet.top >= facet.bottom; }),
+      facets.end());
+  return facets;
+}
+
 }  // namespace
 
-void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, Gray16* image) {
+void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, int first_row,
+          int end_row, Gray16* image) {
   std::vector<std::uint8_t> crossed(static_cast<std::size_t>(camera.width) * camera.height, 0);
-  const std::vector<Facet> facets = facets_of(camera, grid, bodies, crossed);
+  const std::vector<Facet> facets = within(facets_of(camera, grid, bodies, crossed), first_row, end_row);
   if (facets.empty()) return;
   Box box{camera.width, 0, camera.height, 0};
   for (const Facet& facet : facets)

@@ -8,7 +8,9 @@
 
 namespace pilotfish::sim {
 
-/// Draws all surfaces of all bodies over what is in the image, each pixel with the exact mean of what it covers.
-void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, Gray16* image);
+/// Draws all surfaces of all bodies over what is in these rows of the image, each pixel with the exact mean of what it
+/// covers.
+void draw(const CameraModel& camera, const RayGrid& grid, const std::vector<VisibleBody>& bodies, int first_row,
+          int end_row, Gray16* image);
 
 }  // namespace pilotfish::sim

@@ -12,15 +12,13 @@
 namespace pilotfish::sim {
 namespace {
 
-std::vector<Gray16> mean(const std::vector<std::vector<Gray16>>& pictures) {
-  std::vector<Gray16> result(pictures[0].size());
-  const std::size_t count = pictures.size();
-  for (std::size_t i = 0; i < result.size(); ++i) {
+/// Of the pixels from `first` to before `end`, into the first picture.
+void average(std::vector<std::vector<Gray16>>& pictures, std::size_t count, std::size_t first, std::size_t end) {
+  for (std::size_t i = first; i < end; ++i) {
     std::size_t sum = count / 2;
-    for (const std::vector<Gray16>& picture : pictures) sum += picture[i];
-    result[i] = static_cast<Gray16>(sum / count);
+    for (std::size_t k = 0; k < count; ++k) sum += pictures[k][i];
+    pictures[0][i] = static_cast<Gray16>(sum / count);
   }
-  return result;
 }
 
 /// In place OpenCV would copy the picture first.
@@ -57,15 +55,29 @@ const CameraModel& Renderer::camera() const { return optics_->camera; }
 const Imperfections& Renderer::imperfections() const { return optics_->imperfections; }
 
 std::vector<std::uint8_t> Renderer::render(const std::vector<View>& instants, std::uint64_t noise_seed) const {
-  if (instants.empty()) throw std::invalid_argument("a picture of no instant at all");
+  return render_bands({{optics_->camera.height, instants}}, noise_seed);
+}
+
+std::vector<std::uint8_t> Renderer::render_bands(const std::vector<RowBand>& bands, std::uint64_t noise_seed) const {
   const CameraModel& camera = optics_->camera;
-  std::vector<std::vector<Gray16>> sharp;
-  for (const View& view : instants) {
-    sharp.emplace_back(static_cast<std::size_t>(camera.width) * camera.height);
-    optics_->background.paint(view.camera_heading_rad, sharp.back().data());
-    draw(camera, optics_->grid, view.bodies, sharp.back().data());
+  const auto width = static_cast<std::size_t>(camera.width);
+  if (bands.empty() || bands.back().end_row != camera.height)
+    throw std::invalid_argument("bands that do not make the whole picture");
+  std::vector<std::vector<Gray16>> sharp(1, std::vector<Gray16>(width * camera.height));
+  int row = 0;
+  for (const RowBand& band : bands) {
+    if (band.instants.empty()) throw std::invalid_argument("a picture of no instant at all");
+    if (band.end_row <= row) throw std::invalid_argument("a band without rows");
+    const std::size_t first = row * width, end = band.end_row * width;
+    while (sharp.size() < band.instants.size()) sharp.emplace_back(width * camera.height);
+    for (std::size_t k = 0; k < band.instants.size(); ++k) {
+      optics_->background.paint(band.instants[k].camera_heading_rad, first, end, sharp[k].data());
+      draw(camera, optics_->grid, band.instants[k].bodies, row, band.end_row, sharp[k].data());
+    }
+    if (band.instants.size() > 1) average(sharp, band.instants.size(), first, end);
+    row = band.end_row;
   }
-  std::vector<Gray16> grays = sharp.size() == 1 ? std::move(sharp[0]) : mean(sharp);
+  std::vector<Gray16>& grays = sharp[0];
   cv::Mat soft;
   if (optics_->imperfections.blur_sigma_px > 0.0)
     soft = blurred(grays, camera.width, camera.height, optics_->imperfections.blur_sigma_px);

@@ -19,6 +19,8 @@ Eigen::Isometry3d world_from_base(const Pose2& pose) {
 
 namespace {
 
+constexpr int kBandRows = 8;  ///< of a rolling shutter: at 1000 px/s and 30 ms in 480 rows, half a pixel between bands
+
 template <class Config>
 bool same(const Config& one, const Config& other) {
   const auto& all = Config::parameters();
@@ -264,13 +266,19 @@ std::optional<Frame> World::capture(const std::string& name) const {
 
   const Imperfections& imperfections = viewer.renderer->imperfections();
   const int samples = imperfections.exposure_time_s > 0.0 ? imperfections.exposure_samples : 1;
-  std::vector<View> instants;
-  instants.reserve(samples);
-  for (int i = 0; i < samples; ++i)
-    instants.push_back(view(viewer, imperfections.exposure_time_s * ((i + 0.5) / samples - 0.5)));
   const CameraModel& camera = viewer.renderer->camera();
+  const int rows = imperfections.readout_s > 0.0 ? kBandRows : camera.height;
+  std::vector<RowBand> bands;
+  for (int first = 0; first < camera.height; first += rows) {
+    RowBand band{std::min(first + rows, camera.height), {}};
+    const double share = 0.5 * (first + band.end_row) / camera.height - 0.5;
+    for (int i = 0; i < samples; ++i)
+      band.instants.push_back(
+          view(viewer, imperfections.readout_s * share + imperfections.exposure_time_s * ((i + 0.5) / samples - 0.5)));
+    bands.push_back(std::move(band));
+  }
   return Frame::from_pixels(utime(), camera.width, camera.height,
-                            viewer.renderer->render(instants, frame_seed(viewer, "noise")));
+                            viewer.renderer->render_bands(bands, frame_seed(viewer, "noise")));
 }
 
 }  // namespace pilotfish::sim

@@ -6,6 +6,7 @@
 
 #include "pilotfish/core/sections.hpp"
 #include "pose_candidates.hpp"
+#include "rolling_shutter.hpp"
 #include "search_region.hpp"
 #include "textured_regions.hpp"
 
@@ -265,8 +266,11 @@ ObservationResult LeaderObserver::conclude(const Frame& frame, Attempt& attempt,
 
 ObservationResult LeaderObserver::measure(const Frame& frame, const Attempt& attempt,
                                           const std::optional<Eigen::Isometry3d>& predicted_cMo) {
+  std::optional<Before> before;
+  if (track_.is_known()) before = Before{track_.last_cMo(), track_.seconds_since(frame.utime)};
+  const TagMeasurements tags = at_one_instant(tracker_.camera(), tracker_.body(), attempt.tags, before);
   const PoseCandidates found =
-      pose_candidates(tracker_.camera(), tracker_.body(), bMc_, attempt.tags, config_.pose, predicted_cMo);
+      pose_candidates(tracker_.camera(), tracker_.body(), bMc_, tags, config_.pose, predicted_cMo);
   stopwatch_.lap(Stage::pose);
   if (found.verdict.reason != Reason::none) return {std::nullopt, found.verdict.reason, found.verdict.refused};
   if (const RefusedValue jump = track_.implausible_jump(found.candidates.front().measurement.pose, frame.utime))

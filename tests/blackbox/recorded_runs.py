@@ -27,9 +27,11 @@ def wait_until(condition, timeout_s=20.0):
 class RecordedRun:
     """A coordinator and its black box with the same inputs; keeps what it answered."""
 
-    def __init__(self, folder: Path, *, law="fuzzy", profile="anticipate", robot="robot1", **black_box):
+    def __init__(
+        self, folder: Path, *, law="fuzzy", profile="anticipate", robot="robot1", config=CONFIG_PATH, **black_box
+    ):
         self.overrides = coordinator.ConfigOverrides(law=law, profile=profile)
-        self.bundle = coordinator.bundle_config(CONFIG_PATH, self.overrides)
+        self.bundle = coordinator.bundle_config(str(config), self.overrides)
         self.config = coordinator.load_bundle(self.bundle).coordinator
         self.core = coordinator.Coordinator(self.config)
         settings = coordinator.BlackBoxConfig(directory=str(folder), **black_box)
@@ -42,6 +44,12 @@ class RecordedRun:
     def see(self, utime, observation, now_us, reason=Reason.no_tag_found, known_age_us=0):
         result = self.core.step_observation(utime, observation, now_us, reason, known_age_us)
         self.box.frame(utime, known_age_us, now_us, result, self.core)
+        return self._keep(result)
+
+    def see_each(self, utime, observations, now_us):
+        """One observation, or None, of each leader."""
+        result = self.core.step_observations(utime, observations, now_us)
+        self.box.frame(utime, 0, now_us, result, self.core)
         return self._keep(result)
 
     def look(self, frame, now_us):

@@ -1,11 +1,13 @@
 """What was recorded is computed again, bit for bit; and a bit that was changed is found."""
 
+import itertools
 import math
 import random
 import shutil
 
 import lcm
 import pytest
+import yaml
 from recorded_runs import CONFIG_PATH, LAWS, PERIOD_US, RecordedRun, drive_at_random, observation_at, wait_until
 from typer.testing import CliRunner
 
@@ -49,6 +51,32 @@ def test_a_random_run_is_computed_again_bit_for_bit(tmp_path, law, profile):
     assert (report.frames, report.commands, report.gaps, report.skipped) == (600, 600, 0, 0)
     assert report.starts == 1 and report.sent > 200 and report.calls > 800
     assert report.damage == [] and report.unreadable == 0
+
+
+def test_a_change_of_leader_is_computed_again_from_what_was_recorded_without_pictures(tmp_path):
+    # The leader is seen for 1 s, and an alternative for the rest; the leader again from 4 s on, and 0.5 s later it is
+    # followed again, although the alternative is in view. What was seen of the one that is not followed is in the
+    # recording as one bit: whether it could be followed.
+    original = yaml.safe_load(shipped.path("config/line.yaml").read_text())
+    folder = shipped.path("config/line.yaml").parent
+    config = original | {key: str((folder / original[key]).resolve()) for key in ("fuzzy", "leader")}
+    config["camera"]["calibration"] = str((folder / config["camera"]["calibration"]).resolve())
+    other = {"leader": str(shipped.path("leaders/three_faces_second.yaml")), "distance_m": 1.0}
+    config["alternatives"] = {"after_lost_s": 0.5, "back_after_s": 0.5, "leaders": [other]}
+    (tmp_path / "robot1.yaml").write_text(yaml.safe_dump(config))
+    run = RecordedRun(tmp_path / "box", config=tmp_path / "robot1.yaml")
+    start_us, followed = 1_000_000, []
+    for k in range(180):
+        utime = start_us + k * PERIOD_US
+        leader = observation_at(utime, 1.5) if k < 30 or k >= 120 else None
+        alternative = observation_at(utime, 1.3, 0.1) if k >= 20 else None
+        run.see_each(utime, [leader, alternative], utime)
+        followed.append(run.core.leader_index)
+    assert [leader for leader, _ in itertools.groupby(followed)] == [0, 1, 0]
+    run.close()
+    report = replay(events_in(tmp_path / "box"))
+    assert report.first_difference is None
+    assert (report.frames, report.skipped) == (180, 0)
 
 
 def hash_of(*words):

@@ -36,7 +36,7 @@ FINGERPRINTS = {
     types.measured_tag_t: "90538cba87c4df6d",
     types.measurement_t: "83fca08184d3e5e6",
     types.sent_t: "05519759646c5271",
-    types.step_t: "f1e004675e73b041",
+    types.step_t: "5e97aab19e0ee7a4",
 }
 
 

@@ -1,21 +1,15 @@
-"""Calibration boards as a camera sees them: drawn by a homography and a lens, nothing of the code under test in it.
-
-The lens is written out here once more, point by point, and inverted by fixed-point iteration; what it shows of the
-board is sampled several times a pixel and averaged, which is what a sensor does.
-"""
+"""Calibration boards as a camera sees them, drawn by ``pilotfish.calibration.rehearsal``; and the two lenses, point by
+point and in no words of the product's."""
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from pilotfish.calibration.board import Board
-
-SUPERSAMPLING = 3  # samples per pixel along each axis
-TEXTURE_PX = 48  # per square: more than any view here shows of one
+from pilotfish.calibration.rehearsal import PictureFlaws, board_poses, render_board
+from pilotfish.core import CameraModel, Lens
 
 
 @dataclass(frozen=True)
@@ -30,11 +24,25 @@ class TrueCamera:
     cy: float = 236.1
     distortion: tuple[float, ...] = (-0.3, 0.1, 0.0, 0.0, 0.0)
 
+    names = ("k1", "k2", "p1", "p2", "k3")
+    lens = Lens.brown_conrady
+
     def project(self, points_c):
         """(..., 3) to (..., 2) px."""
         x, y = points_c[..., 0] / points_c[..., 2], points_c[..., 1] / points_c[..., 2]
-        x, y = _distorted(x, y, self.distortion)
-        return np.stack([self.fx * x + self.cx, self.fy * y + self.cy], axis=-1)
+        k1, k2, p1, p2, k3 = self.distortion
+        r2 = x * x + y * y
+        radial = 1 + k1 * r2 + k2 * r2**2 + k3 * r2**3
+        x_d = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+        y_d = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
+        return np.stack([self.fx * x_d + self.cx, self.fy * y_d + self.cy], axis=-1)
+
+    @property
+    def model(self):
+        """The same as the product describes it."""
+        size = {"width": self.width, "height": self.height, "lens": self.lens}
+        values = {name: getattr(self, name) for name in ("fx", "fy", "cx", "cy")}
+        return CameraModel(**size, **values, **dict(zip(self.names, self.distortion, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -45,6 +53,9 @@ class TrueFisheye(TrueCamera):
     fy: float = 249.0
     distortion: tuple[float, ...] = (-0.02, 0.004, -0.001, 0.0)
 
+    names = ("k1", "k2", "k3", "k4")
+    lens = Lens.kannala_brandt
+
     def project(self, points_c):
         x, y, z = np.moveaxis(np.asarray(points_c, dtype=float), -1, 0)
         radius = np.hypot(x, y)
@@ -54,113 +65,16 @@ class TrueFisheye(TrueCamera):
         return np.stack([self.fx * x * scale + self.cx, self.fy * y * scale + self.cy], axis=-1)
 
 
-def _distorted(x, y, distortion):
-    k1, k2, p1, p2, k3 = distortion
-    r2 = x * x + y * y
-    radial = 1 + k1 * r2 + k2 * r2**2 + k3 * r2**3
-    return x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
-
-
-def _undistorted(x_d, y_d, distortion):
-    x, y = x_d.copy(), y_d.copy()
-    for _ in range(25):
-        x_e, y_e = _distorted(x, y, distortion)
-        x, y = x + x_d - x_e, y + y_d - y_e
-    return x, y
-
-
-@functools.lru_cache(maxsize=4)
-def _rays(camera):
-    """x and y at z = 1 of what every sample of the sensor sees."""
-    n = SUPERSAMPLING
-    u, v = np.meshgrid(
-        (np.arange(camera.width * n) + 0.5) / n - 0.5,
-        (np.arange(camera.height * n) + 0.5) / n - 0.5,
-    )
-    x, y = _undistorted((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, camera.distortion)
-    return x.astype(np.float32), y.astype(np.float32)
-
-
-def rotation(axis_angle_rad):
-    return cv2.Rodrigues(np.asarray(axis_angle_rad, dtype=float))[0]
-
-
-def poses(board: Board, camera: TrueCamera, count: int, seed: int, *, tilt_deg=(10.0, 40.0), spread=0.9, share=0.6):
-    """(R, t) of ``count`` views: the board's middle anywhere in the middle ``spread`` of the picture, tilted by
-    ``tilt_deg`` about any axis across the line of sight, its width about ``share`` of the picture's.
-
-    Views that put a corner of the outline outside of the picture are drawn again.
-    """
-    rng = np.random.default_rng(seed)
-    width_m, height_m = board.size_m
-    outline = np.array([[x, y, 0.0] for x in (0, width_m) for y in (0, height_m)])
-    result = []
-    while len(result) < count:
-        about = rng.uniform(0, 2 * np.pi)
-        tilt = np.radians(rng.uniform(*tilt_deg))
-        R = rotation([0, 0, rng.uniform(-0.5, 0.5)]) @ rotation(tilt * np.array([np.cos(about), np.sin(about), 0.0]))
-        depth = camera.fx * width_m / (share * rng.uniform(0.75, 1.25) * camera.width)
-        middle_px = [
-            camera.cx + spread * camera.width * rng.uniform(-0.5, 0.5),
-            camera.cy + spread * camera.height * rng.uniform(-0.5, 0.5),
-        ]
-        middle = np.array(
-            [(middle_px[0] - camera.cx) / camera.fx * depth, (middle_px[1] - camera.cy) / camera.fy * depth, depth]
-        )
-        t = middle - R @ np.array([width_m / 2, height_m / 2, 0.0])
-        seen = outline @ R.T + t
-        pixels = camera.project(seen)
-        inside = (pixels > -0.05 * camera.width).all() and (pixels < [camera.width * 1.05, camera.height * 1.05]).all()
-        if inside and (seen[:, 2] > 0.05).all():
-            result.append((R, t))
-    return result
-
-
-@functools.lru_cache(maxsize=4)
-def _page(board):
-    return 30.0 + 190.0 / 255.0 * texture(board).astype(np.float32)
-
-
-def texture(board: Board) -> np.ndarray:
-    """The board on white paper with a margin of one square, ``TEXTURE_PX`` a square."""
-    size = (board.columns * TEXTURE_PX, board.rows * TEXTURE_PX)
-    if board.kind == "charuco":
-        dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, board.dictionary))
-        drawn = cv2.aruco.CharucoBoard((board.columns, board.rows), board.square_m, board.marker_m, dictionary)
-        inner = drawn.generateImage(size, marginSize=0)
-    else:
-        black = (np.add.outer(np.arange(board.rows), np.arange(board.columns)) % 2) == 0
-        inner = np.kron(np.where(black, 0, 255).astype(np.uint8), np.ones((TEXTURE_PX, TEXTURE_PX), np.uint8))
-    page = np.full((inner.shape[0] + 2 * TEXTURE_PX, inner.shape[1] + 2 * TEXTURE_PX), 255, np.uint8)
-    page[TEXTURE_PX:-TEXTURE_PX, TEXTURE_PX:-TEXTURE_PX] = inner
-    return page
+def poses(board: Board, camera: TrueCamera, count: int, seed: int, **where):
+    """As ``board_poses``."""
+    return board_poses(board, camera.model, count, seed, **where)
 
 
 def render(board, camera, pose, *, noise_sigma=2.0, blur_px=0.5, seed=1, motion_px=0.0):
-    """(H, W) uint8: black is 30, white 220, the wall behind 120."""
-    R, t = pose
-    n = SUPERSAMPLING
-    x, y = _rays(camera)
-    # A ray s (x, y, 1) meets the board where R q + t has no third coordinate in the board's frame.
-    H = np.linalg.inv(np.column_stack([R[:, 0], R[:, 1], t])).astype(np.float32)
-    w = H[2, 0] * x + H[2, 1] * y + H[2, 2]
-    q_x, q_y = (H[0, 0] * x + H[0, 1] * y + H[0, 2]) / w, (H[1, 0] * x + H[1, 1] * y + H[1, 2]) / w
-    page = _page(board)
-    per_m = TEXTURE_PX / board.square_m
-    map_x = ((q_x + board.square_m) * per_m - 0.5).astype(np.float32)
-    map_y = ((q_y + board.square_m) * per_m - 0.5).astype(np.float32)
-    fine = cv2.remap(page, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=120.0)
-    fine[w <= 0] = 120.0
-    picture = fine.reshape(camera.height, n, camera.width, n).mean(axis=(1, 3))
-    if blur_px:
-        picture = cv2.GaussianBlur(picture, (0, 0), blur_px)
-    if motion_px:
-        picture = cv2.blur(picture, (max(1, round(motion_px)), 1))
-    noise = np.random.default_rng(seed).normal(0.0, noise_sigma, picture.shape)
-    return np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8)
+    """(H, W) uint8."""
+    return render_board(board, camera.model, pose, PictureFlaws(noise_sigma, blur_px, motion_px), seed=seed)
 
 
 def corners_seen(board, camera, pose):
     """((columns - 1) (rows - 1), 2) px, without noise."""
-    R, t = pose
-    return camera.project(board.corners_m() @ R.T + t)
+    return camera.project(board.corners_m() @ pose.R.T + pose.t_m)

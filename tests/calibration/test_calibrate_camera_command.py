@@ -48,6 +48,15 @@ def folder(images, tmp_path_factory):
     return pictures
 
 
+@pytest.fixture(scope="module")
+def few(folder, tmp_path_factory):
+    """Five of them, for what is not about the calibration itself."""
+    pictures = tmp_path_factory.mktemp("few")
+    for k in range(5):
+        shutil.copy(folder / f"{k}.png", pictures)
+    return pictures
+
+
 def run(*arguments):
     result = CliRunner().invoke(app, ["calibrate", "camera", *map(str, arguments)])
     return result, re.sub(r"[\s│]+", " ", re.sub(r"\x1b\[[0-9;]*m", "", result.output))
@@ -84,25 +93,21 @@ def test_what_is_left_out_is_said_and_why(folder, images, tmp_path):
     assert "left out 97.png: blurred" in said
 
 
-def test_a_picture_of_another_size_is_named(folder, images, tmp_path):
+def test_a_picture_of_another_size_is_named(few, images, tmp_path):
     pictures = tmp_path / "some"
-    shutil.copytree(folder, pictures)
+    shutil.copytree(few, pictures)
     cv2.imwrite(str(pictures / "50.png"), images[0][:240, :320])
     result, said = run(pictures, "--board", BOARD)
     assert result.exit_code == 65
     assert "50.png has 320x240 px, 0.png has 640x480" in said
 
 
-def test_a_bad_calibration_is_not_written_unless_wanted(folder, tmp_path):
-    pictures = tmp_path / "few"
-    pictures.mkdir()
-    for k in range(5):
-        shutil.copy(folder / f"{k}.png", pictures)
+def test_a_bad_calibration_is_not_written_unless_wanted(few, tmp_path):
     out = tmp_path / "camera.yaml"
-    result, said = run(pictures, "--board", BOARD, "--out", out)
+    result, said = run(few, "--board", BOARD, "--out", out)
     assert (result.exit_code, out.exists()) == (65, False), said
     assert "verdict: do again" in said and "5 views were used" in said
-    result, said = run(pictures, "--board", BOARD, "--out", out, "--anyway")
+    result, said = run(few, "--board", BOARD, "--out", out, "--anyway")
     assert (result.exit_code, out.exists()) == (65, True), said
 
 
@@ -122,9 +127,9 @@ def test_a_bad_calibration_is_not_written_unless_wanted(folder, tmp_path):
         (["camera:93", "--board", BOARD], 69, "/dev/video93"),
     ],
 )
-def test_what_is_wrong_is_said(folder, tmp_path, arguments, exit_code, wrong):
+def test_what_is_wrong_is_said(few, tmp_path, arguments, exit_code, wrong):
     (tmp_path / "empty").mkdir()
-    arguments = [each.replace("PICTURES", str(folder)).replace("EMPTY", str(tmp_path / "empty")) for each in arguments]
+    arguments = [each.replace("PICTURES", str(few)).replace("EMPTY", str(tmp_path / "empty")) for each in arguments]
     result, said = run(*arguments)
     assert (result.exit_code, wrong in said) == (exit_code, True), said
 

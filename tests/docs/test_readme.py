@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -142,8 +143,9 @@ def test_the_law_is_shown_and_explained(desk):
 
 
 def test_an_experiment_ends_with_a_table_and_pictures(desk, tmp_path):
+    """With a shorter run than the README's; whole ones are in tests/python/test_experiments.py."""
     (command,) = commands_checked_as("experiment")
-    done = desk(command)
+    done = desk(f"{command} --duration-s 3")
     assert done.returncode == 0, done.stderr
     assert "steady-state distance error" in done.stdout
     assert list((tmp_path / "out").glob("*.png"))
@@ -166,10 +168,11 @@ def test_without_a_camera_it_says_so(desk):
 
 
 def test_an_operator_is_told_that_there_is_no_robot_on_this_bus(desk):
-    for command in commands_checked_as("operator"):  # what they do to one that is there: tests/python/test_operating.py
-        done = desk(command)
-        assert done.returncode == 69
-        assert "no coordinator of robot1 answers" in done.stderr
+    """All at once: each waits some seconds. What they do to one that is there: tests/python/test_operating.py."""
+    with ThreadPoolExecutor() as terminals:
+        for done in terminals.map(desk, commands_checked_as("operator")):
+            assert done.returncode == 69
+            assert "no coordinator of robot1 answers" in done.stderr
 
 
 def test_simulator_and_coordinator_meet_in_real_time_and_the_log_can_be_replayed(desk, tmp_path):

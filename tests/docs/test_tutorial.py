@@ -112,18 +112,8 @@ def test_56_degrees_are_the_rendered_cameras_field_of_view():
 
 def test_the_printed_board_calibrates_a_camera_that_sees_it(desk, folder):
     """Twenty rendered views of the board that the page prints, in place of a camera."""
-    cv2 = pytest.importorskip("cv2")
-    sys.path.insert(0, str(ROOT / "tests/calibration"))
-    try:
-        from rendered_boards import TrueCamera, poses, render
-    finally:
-        sys.path.pop(0)
-    from pilotfish.calibration.board import read_board
-
-    board, camera = read_board(folder / "board.yaml"), TrueCamera()
-    (folder / "views").mkdir()
-    for number, pose in enumerate(poses(board, camera, 20, seed=5)):
-        cv2.imwrite(str(folder / "views" / f"{number:02}.png"), render(board, camera, pose, seed=number))
+    done = desk("pilotfish render board --board board.yaml --views 20 --out views")
+    assert done.returncode == 0, done.stderr
     (command,) = checked_as("calibration")
     done = desk(command.replace("camera:0", "views"))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -4,11 +4,16 @@ import json
 import subprocess
 import sys
 import threading
+from io import StringIO
 
 import lcm
 import pytest
+from rich.console import Console
+from typer.testing import CliRunner
 
 from pilotfish import data, doctor
+from pilotfish.cli import app
+from pilotfish.cli.advice import print_finding
 from pilotfish.doctor import Host, Verdict, network
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
@@ -37,10 +42,30 @@ def test_every_check_has_a_verdict_and_the_exit_code_says_if_one_is_wrong():
     assert all(finding["advice"] for finding in report["findings"] if finding["verdict"] == "wrong")
 
 
-def test_it_fits_on_80_columns():
-    done = run("--lcm-url", private_lcm_url())
-    assert max(len(line) for line in done.stdout.splitlines()) <= 80
-    assert all(check in done.stdout for check in CHECKS)
+def test_in_a_pipe_nothing_is_wrapped():
+    """A line for each finding and one for each advice, whatever their length, as in the JSON of the same machine."""
+    url = private_lcm_url()
+    findings = json.loads(run("--json", "--lcm-url", url).stdout)["findings"]
+    lines = [line.strip() for line in run("--lcm-url", url).stdout.splitlines()]
+    assert {line for line in lines if line.startswith("->")} == {f"-> {each['advice']}" for each in findings} - {"-> "}
+    for finding in findings:
+        assert any(line.startswith(f"{finding['verdict']:<7}{finding['check']}") for line in lines), finding
+    assert len(lines) == len(findings) + sum(bool(finding["advice"]) for finding in findings) + 1
+
+
+COMMAND = "sudo ip link set lo up multicast on; sudo ip route add 239.255.76.67/32 dev lo src 127.0.0.1; " * 2
+
+
+@pytest.mark.parametrize(("terminal", "height"), [(True, 3), (False, 2)])
+def test_commands_are_never_wrapped_and_sentences_on_a_terminal_alone(terminal, height):
+    """94 characters of a sentence on 80 columns, of which 28 are taken, need two lines."""
+    shown = StringIO()
+    console = Console(file=shown, force_terminal=terminal, width=80, color_system=None)
+    print_finding(console, [("note", 5, ""), ("multicast route", 21, "")], "word " * 18 + "last", COMMAND + "end")
+    lines = shown.getvalue().splitlines()
+    assert lines[-1] == f"       -> {COMMAND}end"
+    assert len(lines) == height
+    assert not terminal or max(len(line) for line in lines[:-1]) <= 80
 
 
 def test_two_coordinators_of_one_name_end_it_with_1():
@@ -116,17 +141,23 @@ def test_a_configuration_adds_its_name_and_its_camera():
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["--config", "nowhere.yaml"], 78, "nowhere.yaml"),
+        (["--config", "nowhere.yaml"], 66, "nowhere.yaml"),
         (["--seconds", "5"], 64, "--following"),
         (["--following", "robot1", "--seconds", "nan"], 64, "1 to 3600"),
         (["--following", "robot1", "--seconds", "0"], 64, "1 to 3600"),
         (["--following", "a b"], 64, "1 to 32 letters"),
         (["--following", "robot1", "--lcm-url", "nonsense"], 69, "cannot be opened"),
-        (["--following", "robot1", "--config", "nowhere.yaml"], 78, "nowhere.yaml"),
+        (["--following", "robot1", "--config", "nowhere.yaml"], 66, "nowhere.yaml"),
     ],
 )
 def test_a_wrong_command_line_ends_in_words(arguments, code, words):
-    done = run(*arguments)
-    assert done.returncode == code, done.stdout + done.stderr
+    done = CliRunner().invoke(app, ["doctor", "--listen-s", "0.1", *arguments])
+    assert done.exit_code == code, done.output
     assert words in " ".join(done.stderr.split())
+
+
+def test_a_wrong_command_line_ends_in_words_also_in_a_process_of_its_own():
+    done = run("--config", "nowhere.yaml")
+    assert done.returncode == 66, done.stdout + done.stderr
+    assert "nowhere.yaml" in done.stderr
     assert "Traceback" not in done.stderr

@@ -153,8 +153,11 @@ def test_two_sessions_that_take_turns_are_two_coordinators_and_one_after_the_oth
 
 
 def test_a_robot_whose_last_word_was_a_stop_is_stopped():
-    stopped = status(int(core.Status.stopped), "stop_requested")
-    stopped.setpoint_run = False
+    def stopped(time_s):
+        message = status(int(core.Status.stopped), "stop_requested")
+        message.setpoint_run, message.utime = False, int(1e6 * time_s)  # it answers new pictures
+        return message
+
     assert names(watched(stopped, command())) == ["stopped"]
 
 

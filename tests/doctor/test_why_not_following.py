@@ -11,7 +11,7 @@ import time
 import pytest
 from following_robot import WatchedRobot, edited_config, half_size_calibration, with_other_ids
 
-from pilotfish import bus, core, data
+from pilotfish import bus, core, data, robot_folder
 from pilotfish.doctor import following
 from pilotfish.harness.ports import private_lcm_url
 from pilotfish.operating import Operator, new_key
@@ -30,7 +30,9 @@ def doctor(url, *arguments, robot="robot1", seconds=2):
 
 
 def names(said):
-    return [cause["name"] for cause in said["causes"]]
+    """Without the load of the computer that the tests run on: where that keeps the robot from following, it is true and
+    not what is asked here (tests/doctor/test_following_fresh_and_busy.py does)."""
+    return [cause["name"] for cause in said["causes"] if cause["name"] != "overloaded"]
 
 
 @pytest.fixture
@@ -60,6 +62,18 @@ def test_a_stopped_robot_is_told_with_the_command_that_resumes_it(robot):
     said = doctor(robot.url)
     assert names(said) == ["stopped"]
     assert "pilotfish resume robot1" in said["causes"][0]["do"]
+
+
+def test_a_fresh_robot_without_pictures_and_wheels_is_told_what_is_missing(robot, tmp_path):
+    robot_folder.create("robot1", tmp_path / "robot1", robot_folder.Options(source="lcm"))
+    robot.coordinator(tmp_path / "robot1" / "robot1.yaml")
+    said = doctor(robot.url)
+    assert names(said) == ["no_images", "stopped"]
+    assert "ROBOT1_IMAGE" in said["causes"][0]["what"]
+    assert "pilotfish go robot1" in said["causes"][1]["do"] and "latched" not in said["causes"][1]["what"]
+    assert "no_base" in [note["name"] for note in said["notes"]]
+    assert "slow_camera" not in [note["name"] for note in said["notes"]]
+    assert said["machine"]["cores"] >= 1  # its coordinator runs here
 
 
 def test_a_leader_with_other_ids_is_told_with_both_kinds_of_ids(robot, tmp_path):

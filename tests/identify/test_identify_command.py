@@ -50,7 +50,7 @@ def test_the_drive_of_a_recorded_run_is_that_of_the_scenario(box, tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
-        (["--plot", "drive.gif"], 64, "a picture ends with .png, .svg, .pdf"),
+        (["--plot", "drive.gif"], 64, "ends in none of .png, .svg, .pdf"),
         (["--track-width-m", "9"], 64, "9.0 is not a number from 0.02 to 5 m"),
         (["--robot", "nobody"], 66, "no file of the black box of 'nobody'"),
     ],

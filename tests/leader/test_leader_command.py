@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 from typer.testing import CliRunner
 
 from pilotfish import data as shipped
 from pilotfish.cli import app
+from pilotfish.leader import look_all_round
+from pilotfish.plots.leader_picture import draw_leader
+from pilotfish.printing import folded_screen
 
 THREE_FACES = shipped.path("leaders/three_faces.yaml")
 CONFIG = shipped.path("config/coordinator.yaml")
@@ -85,7 +91,7 @@ def test_a_file_that_cannot_be_used_ends_with_78_and_names_file_and_key(tmp_path
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["check", "nowhere.yaml"], 64, "nowhere.yaml"),
+        (["check", "nowhere.yaml"], 66, "nowhere.yaml"),
         (["check", THREE_FACES, "--config", CONFIG, "--camera", CALIBRATION], 64, "exclude each other"),
         (["check", THREE_FACES, "--config", CALIBRATION], 78, "sim_640x480.yaml"),
         (["check", THREE_FACES, "--camera", CONFIG], 78, "coordinator.yaml"),
@@ -116,3 +122,26 @@ def test_a_file_from_elsewhere_cannot_command_the_terminal(tmp_path):
         assert not set("\x1b\x07\x9b\u202e") & set(result.output)
         assert r"\x1b]0;owned" in result.output
         assert r"\u202e" in result.output
+
+
+def words_of(axes):
+    """What stands in and around it, with its box in pixels; without the titles of axes, which are turned."""
+    FigureCanvasAgg(axes.figure).draw()
+    ticks = []
+    for axis in axes._axis_map.values():
+        low, high = axis.get_view_interval()
+        # As they were drawn: get_ticklabels() would place them anew, and in space elsewhere. Others are not drawn.
+        ticks += [tick.label1 for tick in axis.majorTicks if low <= tick.get_loc() <= high]
+    named = axes.get_legend().get_texts() if axes.get_legend() else []
+    texts = [text for text in [*axes.texts, *ticks, *named] if text.get_visible() and text.get_text()]
+    return [(text.get_text(), text.get_window_extent()) for text in texts]
+
+
+@pytest.mark.parametrize("size_m", [0.06, 0.16])
+@pytest.mark.parametrize("faces", [1, 3])
+def test_no_two_words_of_a_picture_meet(faces, size_m):
+    """Of leaders as `pilotfish tags --faces` prints them: small ones before the axes' origin hid its names."""
+    body = folded_screen(list(range(faces)), size_m, math.radians(45.0), position_m=(-0.20, 0.0, 0.25))
+    for axes in draw_leader(body, look_all_round(body, distance_m=1.1, height_m=0.25)).axes[:2]:
+        for (one, box), (other, its_box) in itertools.combinations(words_of(axes), 2):
+            assert not box.overlaps(its_box), (one, other)

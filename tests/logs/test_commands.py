@@ -13,8 +13,10 @@ from recordings import WALL_US, Writer, event
 from typer.testing import CliRunner
 
 from pilotfish.cli import app
+from pilotfish.logs import read_run
 
 runner = CliRunner()
+pytestmark = pytest.mark.usefixtures("small_pictures")
 
 
 def run(*arguments):
@@ -89,11 +91,44 @@ def test_a_report_of_several_runs_names_them_by_what_tells_them_apart(recorded, 
     assert ">a/run.lcmlog</th>" in out.read_text() and ">b/run.lcmlog</th>" in out.read_text()
 
 
+@pytest.fixture
+def cut(log):
+    """Ten frames, 33 ms apart, of which the last event lacks its last 7 bytes: it began 0.30 s after the first."""
+    log.write_bytes(log.read_bytes()[:-7])
+    return log
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mcap"])
+def test_an_export_of_a_recording_that_was_cut_off_says_where_it_ends_and_what_is_lost(cut, tmp_path, kind):
+    code, said = run("export", cut, "--out", tmp_path / f"run.{kind}")
+    assert code == 0, said
+    (status_bytes,) = [one.size for one in read_run(cut).damage]
+    assert "run.lcmlog ends in the middle of an event, 0.30 s after the recording began" in said
+    assert f"its last {status_bytes} bytes cannot be read" in said
+
+
+def test_a_plot_of_a_recording_that_was_cut_off_says_so(cut, tmp_path):
+    code, said = run("plot", cut, "--out", tmp_path)
+    assert code == 0, said
+    assert "warning: run.lcmlog ends in the middle of an event, 0.30 s after the recording began" in said
+
+
+def test_a_hole_in_a_recording_is_told_in_bytes_and_seconds(log, tmp_path):
+    """Everything of the frames at 33 to 67 ms is overwritten: from the last event at 0 to the first one at 100 ms."""
+    content = log.read_bytes()
+    at = [offset for offset in range(len(content)) if content[offset : offset + 4] == event(0, "A", b"")[:4]]
+    begin, end = at[4], at[12]  # four events a frame
+    log.write_bytes(content[:begin] + bytes(end - begin) + content[end:])
+    (said,) = read_run(log).losses
+    assert said.startswith(f"run.lcmlog: {end - begin} bytes at byte {begin} are no events")
+    assert said.endswith("up to 0.10 s are lost, between 0.00 and 0.10 s")
+
+
 def test_a_report_of_a_damaged_recording_is_made_and_warned_about(log, tmp_path):
     log.write_bytes(log.read_bytes()[:-10])
     code, said = run("report", log, "--out", tmp_path / "x.html")
     assert code == 0
-    assert "damaged" in said
+    assert "warning: run.lcmlog ends in the middle of an event" in said
     assert "ends in the middle of an event" in (tmp_path / "x.html").read_text()
 
 

@@ -9,7 +9,8 @@ from recordings import COASTING, LOST, NO_FRAME, Writer
 
 from pilotfish.logs import read_run
 from pilotfish.plots.relative_view import draw_relative_view
-from pilotfish.plots.run_overview import draw_run_overview, status_stretches
+from pilotfish.plots.run_overview import draw_run_overview
+from pilotfish.plots.status_band import band_pieces, status_stretches
 from pilotfish.plots.style import DARK, save
 
 
@@ -22,7 +23,7 @@ def curve(axes, number=1):
 def test_the_curves_are_the_errors_in_millimetres_and_degrees(recorded):
     robot = read_run(recorded.box).robots["robot1"]
     figure = draw_run_overview({"robot1": robot})
-    _, distance, bearing, speed, turn, latency = figure.axes
+    _, distance, _magnified, bearing, speed, turn, latency = figure.axes
     frames = robot.frames
     for axes, expected in (
         (distance, 1e3 * frames["error_m"]),
@@ -32,6 +33,7 @@ def test_the_curves_are_the_errors_in_millimetres_and_degrees(recorded):
         (latency, 1e3 * frames["latency_s"]),
     ):
         time_s, values = curve(axes)
+        assert axes.get_yscale() == "linear"
         np.testing.assert_allclose(values[np.isfinite(values)], expected, rtol=0, atol=1e-9)
         np.testing.assert_allclose(time_s[np.isfinite(time_s)], frames["t_s"])
 
@@ -48,6 +50,82 @@ def test_the_band_shows_what_was_sent_also_while_no_frame_came(tmp_path):
     assert [status for _, _, status in stretches] == ["tracking", "coasting", "lost"]
     assert [begin for begin, _, _ in stretches[1:]] == [end for _, end, _ in stretches[:-1]]  # without a hole
     assert stretches[2][1] - stretches[2][0] == pytest.approx(16 * 0.05)
+
+
+def test_the_error_behind_the_approach_is_read_on_a_logarithmic_axis(tmp_path):
+    """1 m too far at first, then 0.5 mm; and 20 frames without a measurement, where there is no curve."""
+    writer = Writer(tmp_path / "run.log")
+    for k in range(200):
+        writer.frame(2.1 if k < 50 else None if 100 <= k < 120 else 1.1005)
+        writer.passes()
+    axes = draw_run_overview({"robot1": read_run(writer.file).robots["robot1"]}).axes[2]
+    assert axes.get_yscale() == "log"
+    _, values_mm = curve(axes, 0)
+    assert values_mm[0] == pytest.approx(1000.0)
+    assert values_mm[-1] == pytest.approx(0.5)
+    assert np.isnan(values_mm).sum() == 1  # one break
+
+
+def test_a_status_before_the_first_frame_is_not_in_the_legend(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(5):
+        writer.command(LOST, NO_FRAME)
+        writer.wall_us += 50_000
+    for _ in range(30):
+        writer.frame()
+        writer.passes()
+    figure = draw_run_overview({"robot1": read_run(writer.file).robots["robot1"]})
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["tracking"]
+
+
+def area(pieces):
+    """Time by status: [s] where a piece has all of the band's height."""
+    seconds = {}
+    for piece in pieces:
+        height = piece.top - piece.bottom
+        seconds[piece.status] = seconds.get(piece.status, 0.0) + (piece.end_s - piece.begin_s) * height
+    return seconds
+
+
+def test_what_is_narrower_than_a_column_of_the_band_takes_its_part_of_the_height():
+    """30 ms without a picture every 10 s of 100 s: 0.3 % of the time is 0.3 % of the area, however wide a column is."""
+    stretches = []
+    for k in range(10):
+        stretches += [(10.0 * k, 10.0 * k + 9.97, "tracking"), (10.0 * k + 9.97, 10.0 * (k + 1), "coasting")]
+    pieces = band_pieces(stretches, 0.0, 100.0, columns=400)
+    assert area(pieces) == pytest.approx({"tracking": 99.7, "coasting": 0.3})
+    # A column is 250 ms wide: 30 ms of it are 12 % of its height, and not all of it.
+    assert max(piece.top - piece.bottom for piece in pieces if piece.status == "coasting") == pytest.approx(0.12)
+
+
+def test_what_is_wider_than_a_column_has_all_of_the_height_of_the_band():
+    pieces = band_pieces([(0.0, 50.0, "tracking"), (50.0, 100.0, "lost")], 0.0, 100.0, columns=400)
+    assert [(p.begin_s, p.end_s, p.bottom, p.top, p.status) for p in pieces] == [
+        (0.0, 50.0, 0.0, 1.0, "tracking"),
+        (50.0, 100.0, 0.0, 1.0, "lost"),
+    ]
+
+
+def test_a_hole_in_the_recording_is_a_hole_in_the_band():
+    pieces = band_pieces([(0.0, 10.0, "tracking"), (90.0, 100.0, "tracking")], 0.0, 100.0, columns=100)
+    assert area(pieces) == pytest.approx({"tracking": 20.0})
+    assert [(p.begin_s, p.end_s) for p in pieces] == [pytest.approx((0.0, 10.0)), pytest.approx((90.0, 100.0))]
+
+
+def test_a_curve_that_lies_upon_another_leaves_it_to_be_seen(recorded):
+    """The same run twice: the first is wide and whole, the second narrow and dashed, so both are seen."""
+    robot = read_run(recorded.box).robots["robot1"]
+    runs = {"first": robot, "second": robot}
+    for figure, at in ((draw_run_overview(runs), 1), (draw_relative_view(runs), 0)):
+        lines = [
+            line
+            for line in figure.axes[at].get_lines()
+            if "first" in str(line.get_label()) or "second" in str(line.get_label())
+        ]
+        first, second = lines
+        assert first.get_linestyle() == "-" and second.get_linestyle() == "--"
+        assert first.get_linewidth() > 1.5 * second.get_linewidth()
+        assert first.get_color() != second.get_color()
 
 
 def test_from_above_the_leader_is_where_distance_and_bearing_put_it(recorded):

@@ -13,7 +13,11 @@ from recordings import Writer
 
 from pilotfish.lcmtypes.pilotfish import box_file_t, box_start_t
 from pilotfish.logs import read_run
+from pilotfish.logs.notes import Stage
 from pilotfish.logs.report import ReportedRun, report_html
+from pilotfish.logs.report.page import summary_section
+from pilotfish.logs.report.tables import event_words, stage_table
+from pilotfish.logs.run import RunEvent
 
 CHROMIUM = os.environ.get("PILOTFISH_CHROMIUM", "/usr/bin/chromium")
 FLAGS = [
@@ -28,12 +32,16 @@ FLAGS = [
 ]
 
 
-def page_of(*paths):
+def runs_of(*paths):
     runs = []
     for at, path in enumerate(paths):
         run = read_run(path)
         runs += [ReportedRun(f"run {at}: {robot.name}", run, robot) for robot in run.coordinators]
-    return report_html(runs)
+    return runs
+
+
+def page_of(*paths):
+    return report_html(runs_of(*paths))
 
 
 @pytest.fixture(scope="module")
@@ -79,8 +87,22 @@ def test_a_browser_shows_it_without_complaint_and_loads_nothing_else(browser, pa
     lightness = [sum(map(int, re.findall(r"\d+", colour)[:3])) for colour in (ground, ink, drawn)]
     assert lightness[1] == lightness[2]
     assert (lightness[0] > lightness[1]) == (scheme == "light")
-    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    for width in (1200, 390):  # and on a phone nothing reaches beyond its edge
+        page.set_viewport_size({"width": width, "height": 900})
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
     context.close()
+
+
+def test_stages_and_reasons_are_said_in_words():
+    stages = {"beats_late": Stage([1] + [0] * 10, 0.1), "new_stage": Stage([1] + [0] * 10, 0.1)}
+    assert "beats_late" not in stage_table(stages)
+    assert "lateness of commands" in stage_table(stages) and "new stage" in stage_table(stages)
+    events = [
+        RunEvent(0.0, "status", "lost: no_frame"),
+        RunEvent(0.0, "status", "tracking"),
+        RunEvent(0.0, "gap", "a: b"),
+    ]
+    assert [event_words(event) for event in events] == ["lost: no frame arrived in time", "tracking", "a: b"]
 
 
 VOID = ("meta", "link", "br", "img")
@@ -165,6 +187,41 @@ def test_what_differs_between_runs_is_named_key_by_key(tmp_path):
     differing = text[text.index("What differs</h2>") :].split("<h2")[0]
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", differing)
     assert cells == ["program", "pilotfish one", "pilotfish two", "config: control.gain", "2.0", "2.5"]
+
+
+def summary_of(*paths):
+    """The first section, without drawing the others."""
+    return summary_section(runs_of(*paths))
+
+
+def test_two_recordings_of_one_run_are_told_and_what_only_one_of_them_has(tmp_path):
+    """lcm-logger began two frames late and has not heard the last one."""
+    writer = Writer(tmp_path / "whole.log")
+    ends = [0]
+    for _ in range(10):
+        writer.frame()
+        writer.passes()
+        ends.append(writer.file.stat().st_size)
+    part = tmp_path / "part.log"
+    part.write_bytes(writer.file.read_bytes()[ends[2] : ends[9]])
+    told = summary_of(writer.file, part)
+    assert "run 0: robot1 and run 1: robot1 are recordings of the same run: 7 frames are in both" in told
+    assert "3 are only in run 0: robot1, 0 only in run 1: robot1" in told
+    (tmp_path / "other").mkdir()
+    other = Writer(tmp_path / "other" / "run.log", session=78)
+    other.frame()
+    assert "the same run" not in summary_of(writer.file, other.file)
+
+
+def test_a_run_that_has_not_settled_is_said_not_to_have(tmp_path):
+    """It comes nearer throughout, and never rests; against one that does from its 50th frame on."""
+    for name, settles in (("settles", True), ("never", False)):
+        (tmp_path / name).mkdir()
+        writer = Writer(tmp_path / name / "run.log")
+        for k in range(300):
+            writer.frame(1.1 + (max(0, 50 - k) * 0.01 if settles else 0.002 * (300 - k)))
+            writer.passes()
+        assert ("has not settled" in summary_of(writer.file)) == (not settles)
 
 
 def test_runs_without_settings_say_so_and_a_run_without_a_leader_is_drawn(tmp_path):

@@ -51,6 +51,54 @@ def test_settling_counts_from_the_last_setpoint(tmp_path):
     assert summary.steady_distance_error_mm == pytest.approx(0.0, abs=1e-9)
 
 
+def approach(writer, setpoint_m=1.1):
+    """From 0.5 m too far, 10 mm nearer a frame, then 350 frames that are 2 mm too far: the last quarter of 400 frames
+    is behind the approach."""
+    for k in range(400):
+        writer.frame(setpoint_m + 0.002 + max(0, 50 - k) * 0.01, setpoint_m=setpoint_m)
+        writer.passes()
+
+
+def test_errors_after_the_approach_do_not_have_the_way_from_the_start_in_them(tmp_path):
+    """Behind it the error is 2 mm throughout. With it: 350 of 2 mm, and 12, 22, ... 502 mm."""
+    writer = Writer(tmp_path / "run.log")
+    approach(writer)
+    summary = summarize(robot_of(writer))
+    assert summary.rms_distance_error_mm == pytest.approx(2.0, abs=1e-6)
+    assert summary.p95_distance_error_mm == pytest.approx(2.0, abs=1e-6)
+    whole_mm = math.sqrt((350 * 2.0**2 + sum((2.0 + 10.0 * k) ** 2 for k in range(1, 51))) / 400)
+    assert summary.rms_whole_distance_error_mm == pytest.approx(whole_mm, rel=1e-6)
+    assert summary.approach_from_mm == pytest.approx(-502.0)
+    assert summary.settling_s == pytest.approx(45 * PERIOD_S, abs=1.1 * PERIOD_S)
+
+
+def test_an_earlier_setpoint_is_not_in_the_errors_after_the_approach(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(300):
+        writer.frame(1.5)
+        writer.passes()
+    approach(writer, setpoint_m=1.3)
+    assert summarize(robot_of(writer)).rms_distance_error_mm == pytest.approx(2.0, abs=1e-6)
+
+
+def test_the_figures_after_the_approach_are_those_of_an_experiment(tmp_path):
+    """The same samples as the experiments' own metrics see them."""
+    from pilotfish.metrics import settling_time_s, steady_state_error_m, steady_window
+
+    writer = Writer(tmp_path / "run.log")
+    chance = np.random.default_rng(3)
+    distances_m = 1.1 + 0.4 * np.exp(-np.arange(300) / 20) + 0.01 * chance.normal(size=300)
+    for distance_m in distances_m:
+        writer.frame(float(distance_m))
+        writer.passes()
+    time_s, error_m = np.arange(300) * PERIOD_S, 1.1 - distances_m
+    steady = steady_window(time_s)
+    summary = summarize(robot_of(writer))
+    assert summary.rms_distance_error_mm == pytest.approx(1e3 * np.sqrt(np.mean(error_m[steady] ** 2)))
+    assert summary.steady_distance_error_mm == pytest.approx(1e3 * steady_state_error_m(time_s, error_m))
+    assert summary.settling_s == pytest.approx(settling_time_s(time_s, error_m))
+
+
 def test_jerk_is_the_second_difference_and_gaps_count_nothing():
     """v = a t^2 has the second difference 2 a T^2, so jerk 2 a, wherever it is; the jump over the gap is no jerk."""
     time_s = np.concatenate([np.arange(50) * 0.1, 100.0 + np.arange(50) * 0.1])

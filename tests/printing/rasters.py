@@ -108,12 +108,13 @@ def ruler_mm(page):
     return float(np.diff(spans, axis=1).max())
 
 
-def rim(page, width_mm=4.95):
+def rim(page, width_mm=4.95, dpi=DPI):
     """All pixels within that distance of the paper's edge."""
-    width = int(width_mm / PIXEL_MM)
-    inner = np.zeros(page.shape, dtype=bool)
-    inner[width:-width, width:-width] = True
-    return page[~inner]
+    width = int(width_mm * dpi / 25.4)
+    between = page[width:-width]
+    return np.concatenate(
+        [part.ravel() for part in (page[:width], page[-width:], between[:, :width], between[:, -width:])]
+    )
 
 
 def _holding(spans, at):

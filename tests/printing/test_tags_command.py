@@ -94,7 +94,6 @@ def test_the_written_leader_is_what_a_coordinator_drives_by(tmp_path):
         ),
         (["--faces", "3", "--board", "charuco"], "--faces and --board exclude each other"),
         (["--body", str(THREE_FACES), "--size", "0.1"], "--size cannot be used with --body"),
-        (["--body", "nowhere.yaml"], "nowhere.yaml"),
     ],
 )
 def test_a_wrong_command_line_ends_with_64_and_says_what_is_meant(tmp_path, monkeypatch, options, said):

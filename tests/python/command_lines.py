@@ -48,6 +48,15 @@ COMMANDS = {
     "experiment over LCM": ["experiment", "line", number("--duration-s", "0.5"), "--in-process"],
     "demo": ["demo", number("--duration-s", "0.5"), folder()],
     "render": ["render", read(SCENARIO), number("--frames", "1"), folder()],
+    "render board": [
+        *("render", "board", "--size", "160x120", number("--fov-deg", "60"), "--views", "1"),
+        *(number("--share", "0.5"), number("--seed", "1"), folder()),
+    ],
+    "render mounting": [
+        *("render", "mounting", read(CALIBRATION, "--camera"), "--rate-hz", "2", number("--drive-m", "0.6")),
+        *(number("--tag-size", "0.16"), write("run.lcmlog", "--out")),
+    ],
+    "render body": ["render", "body", read(LEADER, "--leader"), number("--off-mm", "3"), "--pictures", "12", folder()],
     "plot": [
         "plot",
         read("{run}"),
@@ -133,7 +142,10 @@ def _long_field(path):
 
 
 def _hundred_megabytes(path):
-    path.write_bytes(b"a" * 100_000_000)
+    shared = path.parents[1] / "hundred_megabytes"  # beside the folders of the tests: written once, not for every place
+    if not shared.exists():
+        shared.write_bytes(b"a" * 100_000_000)
+    path.hardlink_to(shared)
 
 
 def _zeros(path):
@@ -159,8 +171,12 @@ def _below_a_file(path):
     return path / "deeper" / path.name
 
 
-WRITE = named(_directory, _full, _circle, _below_a_file)
-FOLDER = named(_empty, _full, _circle, _below_a_file)
+def _where_nobody_can(path):
+    return Path("/proc") / path.name
+
+
+WRITE = named(_directory, _full, _circle, _below_a_file, _where_nobody_can)
+FOLDER = named(_empty, _full, _circle, _below_a_file, _where_nobody_can)
 
 
 def cases():

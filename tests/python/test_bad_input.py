@@ -16,6 +16,7 @@ from logs.recordings import Writer
 from pilotfish.cli import app
 
 runner = CliRunner()
+pytestmark = pytest.mark.usefixtures("small_pictures")
 # 0: it does not mind. 1: `fuzzy check` found something. 2: the command line. The others are those of errors.py.
 EXPECTED = {0, 1, 64, 65, 66, 70, 74, 78}
 WITHIN_S = 60.0
@@ -53,6 +54,9 @@ def test_bad_input_ends_with_a_line_and_its_exit_code(tmp_path, here, command, p
         # A box of typer's for the command line; else one line of ours.
         ours = [said_line for said_line in said.splitlines() if said_line.startswith("pilotfish: ")]
         assert result.exit_code in (1, 64) or len(ours) == 1, said
+    if wrong == "where_nobody_can":
+        assert result.exit_code == 74
+        assert re.search(r"pilotfish: /proc/wrong[.a-z0-9]*: nothing can be written in /proc", said), said
 
 
 def run_in_shell(words, shell):

@@ -48,6 +48,17 @@ def test_stop_resume_and_a_setpoint_are_obeyed_and_shown(url):
     )  # only the first stops can come before it is received
 
 
+@pytest.mark.parametrize("content", [None, "no key at all"])
+def test_a_key_that_is_no_key_does_not_keep_a_stop_from_being_sent(url, tmp_path, content):
+    if content:
+        (tmp_path / "key").write_text(content)
+    with ScriptedCoordinator(url) as robot:
+        code, said = run("stop", "robot1", "--lcm-url", url, "--key", tmp_path / "key")
+        assert not robot.setpoint.run
+    assert code == 0, said
+    assert "a stop needs no key" in said
+
+
 def test_go_is_resume(url):
     with ScriptedCoordinator(url) as robot:
         Operator("robot1", lcm_url=url).stop()

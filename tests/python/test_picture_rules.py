@@ -31,16 +31,22 @@ LABEL = re.compile(r"^\w.*\[(m|mm|s|Hz|m/s|°|°/s|-)\]", re.DOTALL)
 
 
 @pytest.fixture(scope="module")
-def as_png(tmp_path_factory):
+def as_png(tmp_path_factory, small_pictures):
     """Draws and writes a picture, once for all tests: (which, theme) -> figure, file."""
     folder = tmp_path_factory.mktemp("pictures")
 
     @cache
     def write(which, theme):
-        figure = drawn(which, theme)
+        figure = light(which) if theme is LIGHT else drawn(which, theme)
         return figure, save(figure, folder / f"{which}_{theme.name}.png")
 
     return write
+
+
+@cache
+def light(which):
+    """The picture, drawn once for all tests that only look at what is in it."""
+    return drawn(which)
 
 
 def labels_of(axes):
@@ -54,7 +60,7 @@ def labels_of(axes):
 
 @EVERY_PICTURE
 def test_every_axis_says_what_it_shows_and_in_which_unit(which):
-    axes = [axes for axes in drawn(which).axes if axes.axison]
+    axes = [axes for axes in light(which).axes if axes.axison]
     assert axes
     for label in itertools.chain.from_iterable(map(labels_of, axes)):
         assert LABEL.match(label), f"'{label}'"
@@ -62,7 +68,7 @@ def test_every_axis_says_what_it_shows_and_in_which_unit(which):
 
 @EVERY_PICTURE
 def test_no_two_named_lines_of_an_axes_look_the_same(which):
-    for axes in drawn(which).axes:
+    for axes in light(which).axes:
         named = [line for line in axes.lines if not line.get_label().startswith("_")]
         looks = [(line.get_color(), line._unscaled_dash_pattern, line.get_marker()) for line in named]
         assert len(set(looks)) == len(looks)
@@ -75,7 +81,7 @@ def seen_colour(line):
 
 def test_what_has_no_name_is_gray_or_a_mark_of_a_named_line():
     for which in DRAW:
-        for axes in drawn(which).axes:
+        for axes in light(which).axes:
             named = {line.get_color() for line in axes.lines if not line.get_label().startswith("_")}
             bars = [each for each in axes.containers if not each.get_label().startswith("_")]
             named |= {each.lines[0].get_color() for each in bars if hasattr(each, "lines") and each.lines[0]}
@@ -88,7 +94,7 @@ def test_the_legend_names_the_laws_as_readme_does():
     (header,) = re.findall(r"^\| RMS distance error \[mm\], leader at .*$", README, flags=re.MULTILINE)
     names = [cell.strip().removesuffix(", tuned") for cell in header.strip("| ").split("|")][1:]
     assert len(names) == 4
-    for figure in (draw_comparison({"A line": runs(*LAWS)}), drawn("overview")):
+    for figure in (draw_comparison({"A line": runs(*LAWS)}), light("overview")):
         legend = [text.get_text() for text in figure.legends[0].get_texts()]
         assert set(names) <= set(legend)
         assert not {"pbvs", "pid"} & set(legend)
@@ -96,10 +102,10 @@ def test_the_legend_names_the_laws_as_readme_does():
 
 def test_a_law_has_one_colour_in_all_pictures():
     for which in ("one run", "paths", "comparison", "overview"):
-        colours = {line.get_color() for axes in drawn(which).axes for line in axes.lines}
+        colours = {line.get_color() for axes in light(which).axes for line in axes.lines}
         assert LIGHT.paper in colours or which == "overview"
     # In the overview the path is that of the law that drove it last, and so is its colour.
-    paths = drawn("overview").axes[0]
+    paths = light("overview").axes[0]
     assert {line.get_color() for line in paths.lines} == {LIGHT.anticipate, LIGHT.ink}
 
 
@@ -183,8 +189,9 @@ def test_dark_and_light_pictures_differ(which, as_png):
 
 
 @EVERY_PICTURE
-def test_svg_is_xml_whose_text_is_text(which, tmp_path):
-    figure = drawn(which)
+def test_svg_is_xml_whose_text_is_text(which, as_png, tmp_path):
+    figure, _ = as_png(which, LIGHT)
+    figure.set_layout_engine("none")  # it has been laid out, which takes several times as long with the letters of SVG
     root = ElementTree.parse(save(figure, tmp_path / "picture.svg")).getroot()
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     texts = {"".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")}

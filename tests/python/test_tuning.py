@@ -77,3 +77,46 @@ def test_without_the_search_s_package_it_ends_with_69_and_says_what_to_install(m
     result = CliRunner().invoke(app, ["tune", "pid", "--trials", "1"])
     assert result.exit_code == 69
     assert "pip install" in result.output
+
+
+def test_a_search_that_is_stopped_is_the_one_with_so_many_trials(monkeypatch):
+    pytest.importorskip("optuna")
+    monkeypatch.setattr(tuning, "PLAYED", {"line": (1.0, 0.5)})
+    found = tuning.searching("pid", trials=100, seed=5)
+    assert [next(found) for _ in range(3)][-1] == tuning.tune("pid", trials=3, seed=5)
+
+
+@pytest.mark.parametrize("out", [True, False])
+def test_ctrl_c_keeps_the_best_so_far_and_says_where(tmp_path, monkeypatch, out):
+    pytest.importorskip("optuna")
+    monkeypatch.setattr(tuning, "PLAYED", {"line": (1.0, 0.5)})
+    costs = iter([5.0, 3.0, 4.0])
+
+    def cost(self, parameters):
+        if (value := next(costs, None)) is None:
+            raise KeyboardInterrupt  # where Ctrl-C comes: in the middle of a trial
+        return value
+
+    monkeypatch.setattr(tuning.Trial, "__call__", cost)
+    file = tmp_path / "pid.yaml"
+    result = CliRunner().invoke(app, ["tune", "pid", "--trials", "9", *(["--out", str(file)] if out else [])])
+    assert result.exit_code == 130
+    assert "stopped after 3 of 9 trials" in result.output
+    assert "cost 5.000 -> 3.000" in result.output
+    assert "Trial" not in result.output  # Optuna has no say
+    if out:
+        assert f"wrote {file}: the best of 3" in result.output
+        assert file.read_text().startswith(
+            "# Made by: pilotfish tune pid --trials 3 --seed 1\n# Cost 3.000, before 5.000"
+        )
+    else:
+        assert "nothing is written: there is no --out" in result.output
+
+
+def test_ctrl_c_before_the_first_trial_has_ended_writes_nothing(tmp_path, monkeypatch):
+    pytest.importorskip("optuna")
+    monkeypatch.setattr(tuning, "searching", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+    result = CliRunner().invoke(app, ["tune", "pid", "--out", str(tmp_path / "pid.yaml")])
+    assert result.exit_code == 130
+    assert "stopped after 0 of 200 trials; nothing is written" in result.output
+    assert list(tmp_path.iterdir()) == []

@@ -185,7 +185,7 @@ def test_an_empty_folder_is_used(tmp_path):
         (["r", "--calibration", "nowhere.yaml"], 66, "nowhere.yaml"),
         (["r", "--leader", str(data.path("calibrations/sim_640x480.yaml"))], 78, "--leader"),
         (["r", "--calibration", str(data.path("leaders/single_tag.yaml"))], 78, "--calibration"),
-        (["r", "--dir", "/proc/nothing/here"], 64, "cannot be made"),
+        (["r", "--dir", "/proc/nothing/here"], 74, "/proc/nothing/here: nothing can be written in /proc"),
     ],
 )
 def test_a_wrong_command_line_ends_in_words_and_leaves_nothing(tmp_path, monkeypatch, arguments, code, words):

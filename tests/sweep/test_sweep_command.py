@@ -16,6 +16,8 @@ SAMPLED = {
     "sampling": {"method": "sobol", "points": 16},
 }
 
+pytestmark = pytest.mark.usefixtures("small_pictures")
+
 
 def run(*words):
     result = CliRunner().invoke(app, ["sweep", *map(str, words)])

@@ -339,7 +339,7 @@ def test_a_counter_with_control_characters_does_not_reach_the_terminal(url):
         counting = threading.Thread(target=count_up, args=(speaker, message))
         counting.start()
         done, as_json = top(url, "--once"), top(url, "--json")
-        counting.join()
+    counting.join()
     assert "\\x1b]0;owned\\x07\\x9b31m" in done.stdout
     assert not set("\x1b\x07\x9b") & set(done.stdout + as_json.stdout)
 

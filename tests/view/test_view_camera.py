@@ -80,6 +80,11 @@ def test_the_page_shows_a_cameras_tag_and_says_that_its_lens_is_assumed(tmp_path
         wait_for_text(page, "#headline", "Tag 7")
         wait_for_text(page, "#lines", "not calibrated: 60° wide is assumed")
         assert re.fullmatch(r"1\.00\d", text(page, "#value-range"))
+        # One quantity, one unit: tile, curve, picture and reason say the same.
+        wait_for_text(page, ".now[data-column=range_m]", "1.00")
+        assert re.fullmatch(r"1\.00\d m", text(page, ".now[data-column=range_m]"))
+        assert re.fullmatch(r"1\.00\d m", text(page, "#picture-note"))
+        assert re.fullmatch(r"1\.00\d m away", text(page, "#why"))
         assert page.is_hidden("#stop")
         assert page.is_hidden("#law-card")
         assert server.post("/api/robots/camera/stop", {})[0] == 404

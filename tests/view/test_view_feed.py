@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
 
@@ -252,3 +253,24 @@ def test_a_page_gets_each_sample_once():
     at, rows = samples.since(at)
     assert [row[1] for row in got + rows] == list(range(50))
     assert samples.since(at)[1] == []
+
+
+def test_a_robot_whose_coordinator_runs_here_has_its_own_configuration_and_others_the_default(tmp_path):
+    """By command lines, as /proc has them; on another bus the same name is another robot."""
+    from pilotfish import data
+    from pilotfish.doctor.following.setup import Process, setups_here
+    from pilotfish.view.hub import BusHub
+    from pilotfish.view.setup import default_setup, load_setup
+
+    url, config = "udpm://239.255.76.67:7711?ttl=0", str(data.path("config/line.yaml"))
+    words = ("pilotfish-coordinator", "--config", config, "--lcm-url")
+    here, elsewhere = Process(1, (*words, url), tmp_path), Process(2, (*words, url.replace("11?", "12?")), tmp_path)
+    assert {name: str(setup.file) for name, setup in setups_here(url, [here]).items()} == {"robot1": config}
+    assert setups_here(url, [elsewhere]) == {}
+    loop = asyncio.new_event_loop()
+    for robot, is_known in (("Robot1", True), ("robot2", False)):
+        hub = BusHub(url, robot, default_setup(), {"robot1": load_setup(config)})
+        hub.start(loop)
+        assert (hub.feeds[robot].setup.camera is not None) == is_known
+        hub.stop(loop)
+    loop.close()

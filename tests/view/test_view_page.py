@@ -79,7 +79,7 @@ def test_the_values_on_the_page_are_those_of_the_messages(shared, browser):
             arg='[["NZ PS","0.75"],["NZ PM","0.25"]]',
         )
         stage = text(page, "#stages tbody tr").split()
-        assert stage == ["looked", "<", "1", "ms", "<", "2", "ms", "3.4", "ms"]
+        assert stage == ["vision", "and", "law", "<", "1", "ms", "<", "2", "ms", "3.4", "ms"]
         refused = columns_of(page, "#refused tr", "e.dataset.counter, e.cells[0].textContent")
         assert refused == [["tag_foreign_id", "12"], ["frames_stale", "3"]]
     assert browser.complaints == []

@@ -17,6 +17,8 @@ from pilotfish.vision import TagFamily
 
 # Camera at the base's origin, level, looking ahead: its right is -y of the base, its down is -z, its forward
 # is x.
+LARGEST_ANGLE_RAD = np.radians(89.0)
+RAYS_AT_ONCE = 2**14  # some rows of the picture, so that what is computed of them stays in the processor's cache
 BASE_FROM_CAMERA = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
 
@@ -53,7 +55,14 @@ def tag_on_body(tag: BodyTag) -> np.ndarray:
 
 def fisheye_angle(camera: CameraModel, angle: np.ndarray) -> np.ndarray:
     """Kannala and Brandt: where in the picture, in focal lengths from its middle, a direction at this angle lies."""
-    return sum(k * angle ** (2 * i + 1) for i, k in enumerate((1.0, camera.k1, camera.k2, camera.k3, camera.k4)))
+    t2 = angle * angle
+    return angle * (1 + t2 * (camera.k1 + t2 * (camera.k2 + t2 * (camera.k3 + t2 * camera.k4))))
+
+
+def fisheye_slope(camera: CameraModel, angle: np.ndarray) -> np.ndarray:
+    """Its derivative."""
+    t2 = angle * angle
+    return 1 + t2 * (3 * camera.k1 + t2 * (5 * camera.k2 + t2 * (7 * camera.k3 + t2 * 9 * camera.k4)))
 
 
 def distort(camera: CameraModel, points: np.ndarray) -> np.ndarray:
@@ -81,12 +90,13 @@ def undistort(camera: CameraModel, pixels: np.ndarray) -> np.ndarray:
     target = (pixels - [camera.cx, camera.cy]) / [camera.fx, camera.fy]
     if camera.lens == Lens.kannala_brandt:
         wanted = np.maximum(np.linalg.norm(target, axis=-1), 1e-12)
-        low, high = np.zeros_like(wanted), np.full_like(wanted, np.radians(89.0))
-        for _ in range(60):  # bisection: slow, and sure
-            middle = (low + high) / 2
-            below = fisheye_angle(camera, middle) < wanted
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return target * (np.tan(low) / wanted)[..., None]
+        angle = np.minimum(wanted, LARGEST_ANGLE_RAD)
+        for _ in range(20):  # Newton's: twice as many digits each time, and checked
+            residual = fisheye_angle(camera, angle) - wanted
+            if np.abs(residual).max() < 1e-14:
+                return target * (np.tan(angle) / wanted)[..., None]
+            angle = np.clip(angle - residual / fisheye_slope(camera, angle), 0.0, LARGEST_ANGLE_RAD)
+        raise AssertionError("the distortion cannot be inverted here")
     if not any((camera.k1, camera.k2, camera.k3, camera.p1, camera.p2)):
         return target
     points = target.copy()
@@ -125,8 +135,19 @@ def blurred(image: np.ndarray, sigma_px: float) -> np.ndarray:
     kernel = np.exp(-0.5 * (offsets / sigma_px) ** 2)
     kernel /= kernel.sum()
     padded = np.pad(image, reach, mode="edge")
-    rows = sum(w * padded[:, i : i + image.shape[1]] for i, w in enumerate(kernel))
-    return sum(w * rows[i : i + image.shape[0]] for i, w in enumerate(kernel))
+    rows = _weighted(kernel, (padded[:, i : i + image.shape[1]] for i in range(len(kernel))))
+    return _weighted(kernel, (rows[i : i + image.shape[0]] for i in range(len(kernel))))
+
+
+def _weighted(weights, images):
+    """The weighted sum, without a new image for every term."""
+    total = None
+    for weight, image in zip(weights, images, strict=True):
+        if total is None:
+            total, term = weight * image, np.empty(image.shape)
+        else:
+            total += np.multiply(weight, image, out=term)
+    return total
 
 
 def draw(
@@ -160,6 +181,7 @@ def _draw_tag(image, camera, cMt, tag, source, photography):
     cells = source.bitmap(id=tag.id).astype(float) / 255
     cell_m = tag.size_m / source.cells_at_border
     half_m = cells.shape[0] * cell_m / 2
+    levels = photography.black + (photography.white - photography.black) * cells
 
     outline = np.linspace(-half_m, half_m, 9)
     border_t = [(a, b, 0, 1) for a in outline for b in outline]
@@ -170,21 +192,27 @@ def _draw_tag(image, camera, cMt, tag, source, photography):
     last = np.clip(np.ceil(border_px.max(axis=0)).astype(int) + 3, 0, [camera.width, camera.height])
     if (last <= first).any():
         return
-    n = photography.samples
-    columns, rows = np.meshgrid(np.arange((last[0] - first[0]) * n), np.arange((last[1] - first[1]) * n))
-    u = first[0] - 0.5 + (columns + (rows % n + 0.5) / n) / n
-    v = first[1] - 0.5 + (rows + (columns % n + 0.5) / n) / n
-    rays = undistort(camera, np.stack([u, v], axis=-1))
     # A point (a, b, 0) of the tag is seen along cMt (a, b, 0): columns x, y and the translation are the
     # homography.
     plane = np.linalg.inv(cMt[:3][:, [0, 1, 3]])
-    hit = rays @ plane[:, :2].T + plane[:, 2]
-    cell = np.floor(hit[..., :2] / hit[..., 2:3] / cell_m + cells.shape[0] / 2).astype(int)
-    on_tag = ((cell >= 0) & (cell < cells.shape[0])).all(axis=-1)
-    cell = np.clip(cell, 0, cells.shape[0] - 1)
-    level = photography.black + (photography.white - photography.black) * cells[cell[..., 1], cell[..., 0]]
-    by_pixel = (last[1] - first[1], n, last[0] - first[0], n)
-    covered = on_tag.reshape(by_pixel).mean(axis=(1, 3))
-    light = (level * on_tag).reshape(by_pixel).mean(axis=(1, 3))
-    part = (slice(first[1], last[1]), slice(first[0], last[0]))
-    image[part] = image[part] * (1 - covered) + light
+    rows = max(1, RAYS_AT_ONCE // (photography.samples**2 * (last[0] - first[0])))
+    for top in range(first[1], last[1], rows):
+        part = (slice(top, min(top + rows, last[1])), slice(first[0], last[0]))
+        rays_x, rays_y, by_pixel = _rays(camera, part, photography.samples)
+        a, b, depth = (row[0] * rays_x + row[1] * rays_y + row[2] for row in plane)
+        column, row = (np.floor(c / depth / cell_m + cells.shape[0] / 2).astype(int) for c in (a, b))
+        on_tag = (column >= 0) & (column < cells.shape[0]) & (row >= 0) & (row < cells.shape[0])
+        level = levels[np.clip(row, 0, cells.shape[0] - 1), np.clip(column, 0, cells.shape[0] - 1)]
+        covered = on_tag.reshape(by_pixel).mean(axis=(1, 3))
+        light = (level * on_tag).reshape(by_pixel).mean(axis=(1, 3))
+        image[part] = image[part] * (1 - covered) + light
+
+
+def _rays(camera, part, n):
+    """x and y at z = 1 of n x n rays for every pixel of that part (slices of rows and columns), and their shape."""
+    shape = (part[0].stop - part[0].start, n, part[1].stop - part[1].start, n)
+    rows, columns = np.arange(shape[0] * n)[:, None], np.arange(shape[2] * n)
+    u = part[1].start - 0.5 + (columns + (rows % n + 0.5) / n) / n
+    v = part[0].start - 0.5 + (rows + (columns % n + 0.5) / n) / n
+    rays = undistort(camera, np.stack([u, v], axis=-1))
+    return rays[..., 0], rays[..., 1], shape

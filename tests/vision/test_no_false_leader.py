@@ -31,15 +31,16 @@ def warped(bitmap, corners, noise, rng, white=220.0, black=30.0):
     size = np.ceil(corners.max(axis=0) + 0.25 * np.ptp(corners, axis=0)).astype(int) + 3 - first
     here = corners - first
     homography = homography_from(here)
+    # Around the cells there is gray, so that whatever is farther out than they are is in the outermost ring.
+    levels = np.full((12, 12), 110.0)
+    levels[1:-1, 1:-1] = np.where(bitmap > 0, white, black)
     image = np.zeros((size[1], size[0]))
     for dv in (-1 / 3, 0, 1 / 3):
         for du in (-1 / 3, 0, 1 / 3):
-            u, v = np.meshgrid(np.arange(size[0]) + du, np.arange(size[1]) + dv)
-            x, y, w = np.einsum("ij,jvu->ivu", homography, np.stack([u, v, np.ones_like(u)]))
-            column, row = np.floor(4 * x / w + 5).astype(int), np.floor(4 * y / w + 5).astype(int)
-            inside = (column >= 0) & (column < 10) & (row >= 0) & (row < 10)
-            cell = bitmap[np.clip(row, 0, 9), np.clip(column, 0, 9)] > 0
-            image += np.where(inside, np.where(cell, white, black), 110.0) / 9
+            u, v = np.arange(size[0]) + du, np.arange(size[1])[:, None] + dv
+            x, y, w = (row[0] * u + (row[1] * v + row[2]) for row in homography)
+            column, row = (np.clip(4 * c / w + 6, 0, 11).astype(int) for c in (x, y))
+            image += levels[row, column] / 9
     return np.clip(np.rint(image + rng.normal(0, noise, image.shape)), 0, 255).astype(np.uint8), here
 
 

@@ -71,7 +71,7 @@ class RangeField {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp
-    archive(self.readings_, self.here_, self.utime_);
+    archive(self.readings_, self.here_, self.utime_, self.step_rad_);
   }
 
  private:
@@ -83,6 +83,7 @@ class RangeField {
   BoundedVector<Reading, kMaxRanges> readings_;
   Pose2 here_;
   std::optional<std::int64_t> utime_;
+  double step_rad_ = 0.0;  ///< between two readings of the last scan
 };
 
 }  // namespace pilotfish::control

@@ -137,6 +137,11 @@ class Coordinator {
   StepResult step_observations(std::int64_t utime, const std::vector<vision::ObservationResult>& seen,
                                MonotonicTime now, std::int64_t known_age_us = 0) noexcept;
 
+  /// The same from a recording: what was measured of the leader that is followed after this frame, and in_view() as it
+  /// was then. With one leader that is step_observation().
+  StepResult step_recorded(std::int64_t utime, const vision::ObservationResult& seen, const LeadersSeen& in_view,
+                           MonotonicTime now, std::int64_t known_age_us = 0) noexcept;
+
   /// What holds at `now` if no newer frame has come: the last command for as long as it is fresh, then zeros. Changes
   /// nothing, so that a watchdog may call it at any time without affecting determinism. `reason` is what was
   /// missing.
@@ -152,6 +157,9 @@ class Coordinator {
 
   std::size_t leader_index() const { return choice_.followed(); }    ///< who is followed; 0: the configured leader
   std::int64_t leader_changes() const { return choice_.changes(); }  ///< since the start
+  /// In the last frame that was used: of the leader that was followed until then whether it was measured, of the others
+  /// whether they could be followed.
+  const LeadersSeen& in_view() const { return in_view_; }
   const LeaderBody& leader() const { return observer().tracker().body(); }  ///< who is followed
 
   /// Optional, at any rate, between frames: the own twist as odometry measured it, and the leader
@@ -201,7 +209,8 @@ class Coordinator {
   /// Fills seen_.
   void observe(const Frame& frame) noexcept;
   void look_for_others(const Frame& frame) noexcept;
-  /// From seen_: whether another leader is followed from this frame on.
+  void compare_leaders() noexcept;  ///< seen_ --> in_view_
+  /// From in_view_: whether another leader is followed from this frame on.
   bool change_leader(std::int64_t utime) noexcept;
   bool can_follow(const vision::ObservationResult& seen) const noexcept;
   bool another_is_seen() const noexcept;
@@ -226,6 +235,7 @@ class Coordinator {
   bool goes_back_ = false;                       ///< alternatives.back_after_s is not 0
   double nearest_m_ = 0.0, farthest_m_ = 0.0;    ///< where another leader may be when it is taken
   std::vector<vision::ObservationResult> seen_;  ///< of each leader in this frame
+  LeadersSeen in_view_{};                        ///< in this frame, see in_view()
   std::optional<std::int64_t> looked_utime_;     ///< when the first leader was last looked for in a whole picture
   MonotonicTime now_{std::numeric_limits<std::int64_t>::min()};  ///< the latest that was given
   std::int64_t measured_utime_ = 0;                              ///< of what is held

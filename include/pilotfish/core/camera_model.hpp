@@ -41,6 +41,9 @@ struct CameraModel {
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;
   double k4 = 0.0;                  ///< of a Kannala-Brandt lens alone, which has no p1 and p2
   Lens lens = Lens::brown_conrady;  ///< which of the two
+  /// From the exposure of the first row to that of the last [s]: rolling shutter. 0: all rows at once.
+  double readout_s = 0.0;
+  static constexpr double kMaxReadout_s = 0.1;  ///< [s]
 
   /// False for a pure pinhole.
   bool has_distortion() const {

@@ -26,6 +26,9 @@ struct Imperfections {
   /// Around the instant of the frame's time.
   PILOTFISH_PARAMETER(double, exposure_time_s, 0.0, 0.0, 0.5, "how long the shutter is open: motion blur");
   PILOTFISH_PARAMETER(int, exposure_samples, 5, 1, 64, "instants averaged if the shutter is open for long");
+  /// Row v of H is exposed (v + 1/2 - H/2) / H of this after the frame's time: rolling shutter.
+  PILOTFISH_PARAMETER(double, readout_s, 0.0, 0.0, 0.1,
+                      "from the exposure of the first row to that of the last: rolling shutter; 0: all rows at once");
   PILOTFISH_PARAMETER(double, clutter, 1.0, 0.0, 1.0, "contrast of the background; 0: a plain wall");
 };
 
@@ -39,6 +42,12 @@ struct VisibleBody {
 struct View {
   std::vector<VisibleBody> bodies;  ///< what is in front of the camera
   double camera_heading_rad = 0.0;  ///< of the robot that carries it: the background turns with it
+};
+
+/// Rows of a picture that are exposed together, from the band before (or the top) to before end_row.
+struct RowBand {
+  int end_row = 0;             ///< the first row below it
+  std::vector<View> instants;  ///< whose mean they are: one, or several (motion blur)
 };
 
 /// A camera, as a function of what is in front of it: gray pictures with exact geometry.
@@ -64,6 +73,10 @@ class Renderer {
   /// The picture, camera.height rows of camera.width bytes: of one instant, or the mean of several (motion blur).
   /// std::invalid_argument if there is none.
   std::vector<std::uint8_t> render(const std::vector<View>& instants, std::uint64_t noise_seed) const;
+
+  /// The same, band by band from the top, of a camera with a rolling shutter. std::invalid_argument unless they make up
+  /// the picture.
+  std::vector<std::uint8_t> render_bands(const std::vector<RowBand>& bands, std::uint64_t noise_seed) const;
 
   const CameraModel& camera() const;           ///< size and lens
   const Imperfections& imperfections() const;  ///< of its pictures

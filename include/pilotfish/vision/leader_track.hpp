@@ -39,7 +39,9 @@ class LeaderTrack {
   /// How far it has jumped, if the leader cannot be there now, given where it was. The plausible region grows with
   /// time, so that a leader that really was carried away is accepted again.
   RefusedValue implausible_jump(const RelativePose& pose, std::int64_t utime) const noexcept;
-  double seconds_since(std::int64_t utime) const noexcept;  ///< 0 if it was never seen
+  double seconds_since(std::int64_t utime) const noexcept;    ///< 0 if it was never seen
+  bool is_known() const { return seen_; }                     ///< seen before, and not forgotten
+  const Eigen::Isometry3d& last_cMo() const { return cMo_; }  ///< when it was last seen
 
   /// The leader was measured: its pose, and the appearance of its template.
   void update(const Eigen::Isometry3d& cMo, const RelativePose& pose, const Appearance& appearance,

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 
 from pilotfish import core
 from pilotfish.black_box import causes, messages
+from pilotfish.black_box.exact_text import answer_text, held_text, observation_text
 from pilotfish.black_box.log import Damage, Event
-from pilotfish.coordinator import Coordinator, CoordinatorFile, HeldCommand, StepResult, load_bundle, step_values
+from pilotfish.coordinator import Coordinator, CoordinatorFile, StepResult, load_bundle, step_values
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import box_start_t, measurement_t, observation_t, sent_t, status_t, step_t
 
@@ -180,8 +181,8 @@ class _Run:
             event,
             message,
             "what is held",
-            _held_text(recorded),
-            _held_text(held),
+            held_text(recorded),
+            held_text(held),
             lambda: causes.held_cause(recorded, held),
         )
         self._agreed += 1
@@ -199,9 +200,9 @@ class _Run:
         self.report.sent += 1
         withheld = core.Reason(message.reason) in _WITHHELD and recorded == core.Twist()
         if not withheld:
-            was = _answer_text(core.Status(message.status), core.Reason(message.reason), recorded)
+            was = answer_text(core.Status(message.status), core.Reason(message.reason), recorded)
             inputs = f"sent at {message.now_us} us, missing: {core.Reason(message.missing).name}"
-            if was != (now := _answer_text(status, reason, command)):
+            if was != (now := answer_text(status, reason, command)):
                 parts = (core.Status(message.status), core.Reason(message.reason), recorded)
                 cause = causes.answer_cause(parts, (status, reason, command))
                 self._differs(event, "a command that was sent", inputs, was, now, cause)
@@ -223,7 +224,7 @@ class _Run:
             if self._core is None or self._frames_since_start < _HELD_BACK or at_end:
                 self.report.sent_unchecked += 1
             else:
-                self._differs(event, "what the sender held", f"sent at {message.now_us} us", _held_text(held), "never")
+                self._differs(event, "what the sender held", f"sent at {message.now_us} us", held_text(held), "never")
 
     def _config_of(self, message: box_start_t) -> CoordinatorFile:
         key = b"".join(bytes(file.data) + file.role.encode() for file in message.files)
@@ -259,17 +260,22 @@ class _Run:
                     event,
                     "what was seen",
                     _inputs(message),
-                    _observation_text(recorded_observation),
-                    _observation_text(result.observation),
+                    observation_text(recorded_observation),
+                    observation_text(result.observation),
                     causes.observation_cause(recorded_observation, result.observation),
                 )
         else:
-            result = self._core.step_observation(
-                message.utime, recorded_observation, message.now_us, core.Reason(message.reason), message.known_age_us
+            result = self._core.step_recorded(
+                message.utime,
+                recorded_observation,
+                message.leaders_in_view,
+                message.now_us,
+                core.Reason(message.reason),
+                message.known_age_us,
             )
         command = core.Twist(linear_mps=message.command_linear_mps, angular_radps=message.command_angular_radps)
-        was = _answer_text(core.Status(message.status), core.Reason(message.reason), command)
-        now = _answer_text(result.status, result.reason, result.command)
+        was = answer_text(core.Status(message.status), core.Reason(message.reason), command)
+        now = answer_text(result.status, result.reason, result.command)
         parts = (core.Status(message.status), core.Reason(message.reason), command)
         first = self.report.first_difference is None
         self._expect(
@@ -366,28 +372,6 @@ def _inputs(message: step_t) -> str:
     if message.kind == step_t.KIND_SETPOINT:
         return f"{call}: {message.distance_m} m, {message.bearing_rad} rad, {'run' if message.run else 'stop'}"
     return f"{call} of {message.utime} us: {message.linear_mps} m/s, {message.angular_radps} rad/s"
-
-
-# Texts in which every bit shows: float.hex() is exact.
-def _twist_text(twist: core.Twist) -> str:
-    exact = f"{float(twist.linear_mps).hex()}, {float(twist.angular_radps).hex()}"
-    return f"{twist.linear_mps:.6g} m/s, {twist.angular_radps:.6g} rad/s ({exact})"
-
-
-def _answer_text(status: core.Status, reason: core.Reason, command: core.Twist) -> str:
-    return f"{status.name}, {reason.name}, {_twist_text(command)}"
-
-
-def _held_text(held: HeldCommand) -> str:
-    flags = f"holding {held.holding}, run {held.run}, ever measured {held.ever_measured}, turning {held.turning}"
-    return f"{_twist_text(held.command)} of {held.utime} us, from {held.from_us} to {held.until_us} us, {flags}"
-
-
-def _observation_text(observation: core.Observation | None) -> str:
-    if observation is None:
-        return "nothing"
-    o = observation
-    return f"{o.distance_m!r} m, {o.bearing_rad!r} rad, {o.heading_rad!r} rad, tags {[tag.id for tag in o.tags]}"
 
 
 def _size(memory: tuple[bytes, bytes]) -> str:

@@ -113,7 +113,6 @@ def read_board(path: str | Path) -> Board:
 
 def write_board(board: Board, path: str | Path) -> None:
     """Writes what read_board reads. OSError if it cannot be written."""
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, board_text(board))
 
 

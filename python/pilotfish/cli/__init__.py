@@ -17,11 +17,11 @@ _FUNCTIONS = {
     "Set up a robot": ("tags", "learn_body", "init", "doctor", "data"),
     "See and drive": ("view", "top"),
     "Recordings": ("plot", "report", "export", "replay", "identify"),
-    "Simulate": ("demo", "experiment", "render", "tune"),
+    "Simulate": ("demo", "experiment", "tune"),
 }
 _GROUPS = {
     "Set up a robot": ("calibrate", "leader"),
-    "Simulate": ("sweep", "formation"),
+    "Simulate": ("render", "sweep", "formation"),
     "The fuzzy law": ("fuzzy",),
 }
 _OPERATING = ("stop", "go", "resume", "setpoint")

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, warn, working
-from pilotfish.cli.options import between, writable_folder
-from pilotfish.whole_files import check_not_among
+from pilotfish.cli.console import friendly_errors, progress, warn, working
+from pilotfish.cli.options import between
+from pilotfish.cli.outputs import OutputFolder, output_file, writable_folder
+from pilotfish.cli.truth_report import OFF_TRUTH, TruthOfCamera, print_differences
 
 if TYPE_CHECKING:
     from pilotfish.calibration.camera import BoardDetector, Found
@@ -62,6 +63,7 @@ def camera(
         ),
     ] = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Write the file even if the verdict is 'do again'.")] = False,
+    truth: TruthOfCamera = None,
 ) -> None:
     """Calibrate a camera with a printed board: focal length, principal point, distortion, and what they are worth.
 
@@ -95,19 +97,28 @@ def camera(
           --out camera.yaml --report calibration
       pilotfish calibrate camera board.mp4 --board chessboard:9x7:25mm \\
           --every 5 --out camera.yaml
+
+    \b
+    Rehearsed without a camera
+      pilotfish render board --out pictures
+      pilotfish calibrate camera pictures --board charuco:8x6:30mm:22mm \\
+          --truth pictures/truth.yaml
     """
     from pilotfish.calibration import camera as calibration
+    from pilotfish.calibration.camera.calibration_file import check_readable
+    from pilotfish.calibration.rehearsal import board_middles, camera_differences, check_comparable, read_true_camera
     from pilotfish.cli.camera_report import print_camera_report, remarks
 
     width_height = _size(size)
     with friendly_errors():
-        if out:
-            check_writable(out)
-            check_not_among(out, [Path(source), Path(board)])
+        target = output_file(out, [Path(source), Path(board), *([truth] if truth else [])]) if out else None
+        true_camera = read_true_camera(truth) if truth else None
         the_board = calibration.board_of(board)
         detector = calibration.BoardDetector(the_board)
         pictures = calibration.open_pictures(source, width_height, rate_hz)
         found = _look(pictures, detector, model.value, views, every)
+        if true_camera:
+            check_comparable(true_camera, found.size, model.value)
         if pictures.kind != calibration.FOLDER:
             calibration.check_film(found)
         with working("fitting") as say:
@@ -116,16 +127,25 @@ def camera(
         if report:
             from pilotfish.calibration.camera.drawings import save_drawings
 
+            drawn = OutputFolder(report)
             for file in save_drawings(result, report):
-                tell(f"drew {file}")
+                drawn.wrote(file)
         bad = result.verdict.grade == calibration.AGAIN
-        if out and bad and not anyway:
-            warn(f"{out} was not written: calibrate again, or add --anyway")
-        elif out:
-            calibration.write_calibration(out, result.lens, remarks(source, the_board, result))
-            tell(f"wrote {out}")
+        if target and bad and not anyway:
+            warn(f"{target.file} was not written: calibrate again, or add --anyway")
+        elif target:
+            calibration.write_calibration(target.file, result.lens, remarks(source, the_board, result))
+            target.wrote()
+        agrees = True
+        if truth and true_camera:
+            differences = camera_differences(
+                check_readable(result.lens), true_camera, board_middles(result, the_board), the_board
+            )
+            agrees = print_differences(differences, truth)
     if bad:
         raise typer.Exit(BAD_CALIBRATION)
+    if not agrees:
+        raise typer.Exit(OFF_TRUTH)
 
 
 def _size(text: str) -> tuple[int, int]:

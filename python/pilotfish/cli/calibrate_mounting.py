@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell, working
+from pilotfish.cli.console import console, friendly_errors, progress, working
 from pilotfish.cli.learn_body import of_tag, tag_sizes
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
-from pilotfish.whole_files import check_not_among, write_whole
+from pilotfish.cli.outputs import output_file
+from pilotfish.cli.truth_report import OFF_TRUTH, TruthOfMounting, print_differences
+from pilotfish.whole_files import write_whole
 
 if TYPE_CHECKING:
     from pilotfish.calibration.body import Sightings, TagSizes
@@ -35,7 +37,9 @@ def mounting(
     tag_size: TagSizesOption,
     straight: Annotated[
         Path | None,
-        typer.Option(help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."),
+        typer.Option(
+            exists=True, help="The straight drive, if it is a film of its own; SOURCE is the turn alone then."
+        ),
     ] = None,
     turn_only: Annotated[
         bool, typer.Option("--turn-only", help="SOURCE is a turn without a drive: pan cannot be seen, see --pan-deg.")
@@ -67,6 +71,7 @@ def mounting(
     out: Annotated[
         Path | None, typer.Option("-o", "--out", dir_okay=False, help="File for the lines; they are printed anyway.")
     ] = None,
+    truth: TruthOfMounting = None,
 ) -> None:
     """Find where the camera sits on its robot: the lines `camera: mounting:` of its configuration.
 
@@ -108,11 +113,18 @@ def mounting(
           --camera camera.yaml --tag-size 0.16 --height-m 0.31
       pilotfish calibrate mounting run.lcmlog --camera camera.yaml \\
           --tag-size 0.16 --height-of 0=0.32 --out mounting.yaml
+
+    \b
+    Rehearsed without a robot
+      pilotfish render mounting --out run.lcmlog
+      pilotfish calibrate mounting run.lcmlog --camera run_camera.yaml \\
+          --tag-size 0.16 --height-m 0.25 --truth run_truth.yaml
     """
     from pilotfish.calibration.live_camera import camera_number
     from pilotfish.calibration.mounting import HeightKnown, calibrate_mounting
     from pilotfish.calibration.mounting.recordings import ODOMETRY, open_film
     from pilotfish.calibration.mounting.yaml_lines import mounting_lines
+    from pilotfish.calibration.rehearsal import mounting_differences, read_true_mounting
     from pilotfish.cli.mounting_report import print_mounting_report
     from pilotfish.coordinator import load_calibration
     from pilotfish.errors import BodyLearningError, CalibrationError, ConfigError, PilotfishError
@@ -130,9 +142,9 @@ def mounting(
         raise typer.BadParameter("--straight is a film; with camera:N the drive follows the turn in the same run")
     height = HeightKnown(height_m, of_tag(height_of, "--height-of", allow_zero=True) if height_of else None)
     with friendly_errors():
-        if out:
-            check_writable(out)
-            check_not_among(out, [Path(source), camera, *([straight] if straight else [])])
+        inputs = [Path(source), camera, *(each for each in (straight, truth) if each)]
+        target = output_file(out, inputs) if out else None
+        true = read_true_mounting(truth) if truth else None
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before anything is opened
@@ -169,10 +181,14 @@ def mounting(
         print_mounting_report(result, scales)
         lines = mounting_lines(result)
         console.print(lines, markup=False, highlight=False, soft_wrap=True, end="")
-        if out:
-            out.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(out, lines)
-            tell(f"wrote {out}")
+        if target:
+            write_whole(target.file, lines)
+            target.wrote()
+        agrees = True
+        if truth and true:
+            agrees = print_differences(mounting_differences(result.mounting, result.sigma, true), truth)
+    if not agrees:
+        raise typer.Exit(OFF_TRUTH)
 
 
 def _live(

@@ -7,7 +7,7 @@ import os
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -33,7 +33,7 @@ from rich.segment import Segment
 from rich.table import Table
 
 from pilotfish.cli.progress_lines import progress_lines
-from pilotfish.errors import PilotfishError
+from pilotfish.errors import MissingFileError, PilotfishError
 from pilotfish.printable import printable
 
 
@@ -67,6 +67,9 @@ class SysexitsGroup(typer.core.TyperGroup):
         try:
             return super().invoke(ctx)
         except typer.BadParameter as error:
+            if error.message.endswith(_NOT_THERE):
+                with friendly_errors():  # one line and the code of a file that is not there, whoever looks for it
+                    raise MissingFileError(f"{'/'.join(error.param.opts)}: {error.message}") from error
             error.message = _said_plainly(error.message, error.param, words)
             raise
 
@@ -103,6 +106,7 @@ OnProgress = Callable[[int, int | None], None]
 USAGE = 64  # exit code, of sysexits.h
 IO_ERROR = 74  # exit code, of sysexits.h
 _CLICK_USAGE = 2
+_NOT_THERE = " does not exist."  # how click says it
 NO_READER = 141  # 128 + SIGPIPE: `| head` has seen enough, as a shell says it
 
 
@@ -168,17 +172,12 @@ def warn(message: str) -> None:
     _errors.print(f"[yellow]warning:[/] {escape(message)}", soft_wrap=True)
 
 
-def check_writable(file: Path) -> None:
-    """OSError if ``file`` cannot be written, before hours are spent on what is to stand there. Creates nothing."""
-    if file.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(file))
-    there = file if os.path.lexists(file) else file.parent
-    while not os.path.lexists(there):
-        there = there.parent
-    if there != file and not there.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(there))
-    if not os.access(there, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(there))
+def warn_of_losses(texts: Sequence[str], most: int = 3) -> None:
+    """What a damaged recording has cost, a line each; how many more there are."""
+    for text in texts[:most]:
+        warn(text)
+    if len(texts) > most:
+        warn(f"and {len(texts) - most} more damaged places; pilotfish report names them")
 
 
 @contextmanager

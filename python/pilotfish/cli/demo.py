@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, progress, tell
+from pilotfish.cli.console import console, friendly_errors, progress
 from pilotfish.cli.driving_options import Law, Profiles, ProfilesOption, drivers_of
-from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, PictureFormat, writable_folder
+from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, PictureFormat
+from pilotfish.cli.outputs import OutputFolder, writable_folder
 
 if TYPE_CHECKING:
     from pilotfish.experiments import Experiment, Result
@@ -51,7 +52,7 @@ def demo(
     from pilotfish.experiments import EXPERIMENTS, metrics_tables
 
     with friendly_errors():
-        into = gallery(out, picture_format.value, dark)
+        into, folder = gallery(out, picture_format.value, dark), OutputFolder(out)
         drivers = drivers_of(profile, Law.fuzzy)
         ideal = [(experiment, driver) for experiment in EXPERIMENTS.values() for driver in drivers]
         runs = ideal + [(experiment.on_nonideal_robot(), drivers[-1]) for experiment in EXPERIMENTS.values()]
@@ -89,7 +90,7 @@ def demo(
         demo_obstacles.show(passed)
         pictures = [picture.file for shown in (*chapters.values(), among_obstacles) for picture in shown]
         for file in [*data, *pictures]:
-            tell(f"wrote {file}")
+            folder.wrote(file)
         console.print(f"everything on one page: {page}   {page.resolve().as_uri()}", soft_wrap=True)
 
 
@@ -141,9 +142,11 @@ def _save_law(result: Result, into: Gallery) -> list[Picture]:
 
 
 def _save_metrics(results: Sequence[Result], wedge: dict[str, dict[str, float]], out: Path) -> Path:
+    from pilotfish.whole_files import write_whole
+
     file = out / "metrics.json"
     figures = {f"{r.experiment.name}_{r.profile}": asdict(r.metrics) for r in results} | wedge
-    file.write_text(json.dumps(figures, indent=2) + "\n")
+    write_whole(file, json.dumps(figures, indent=2) + "\n")
     return file
 
 

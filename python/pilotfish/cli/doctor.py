@@ -8,14 +8,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.markup import escape
-from rich.table import Table
 
+from pilotfish.cli.advice import print_finding
 from pilotfish.cli.console import console, friendly_errors, progress
 from pilotfish.cli.options import between
 
 _COLOURS = {"ok": "green", "note": "yellow", "wrong": "bold red"}
-_WIDTH = 80
 _FOLLOWING_S = 10.0
 
 
@@ -32,6 +30,7 @@ def doctor(
         Path | None,
         typer.Option(
             "--config",
+            exists=True,
             dir_okay=False,
             help="The coordinator's configuration: its camera is measured, and its leader's ids are compared.",
         ),
@@ -82,14 +81,9 @@ def _examine(lcm_url: str | None, listen_s: float, black_box: str, config: Path 
         report = {"ok": wrong == 0, "lcm_url": url, "findings": [finding.as_dict() for finding in findings]}
         typer.echo(json.dumps(report, indent=2))
     else:
-        table = Table.grid(padding=(0, 2))
-        for column in (7, 21, None):
-            table.add_column(width=column, overflow="fold")
         for finding in findings:
             word = finding.verdict.value
-            advice = f"\n[italic]-> {escape(finding.advice)}[/]" if finding.advice else ""
-            table.add_row(f"[{_COLOURS[word]}]{word}[/]", finding.check, escape(finding.seen) + advice)
-        console.print(table, width=min(_WIDTH, console.width))
+            print_finding(console, [(word, 5, _COLOURS[word]), (finding.check, 21, "")], finding.seen, finding.advice)
         console.print(f"{wrong} of {len(findings)} wrong" if wrong else "nothing is wrong")
     raise typer.Exit(1 if wrong else 0)
 
@@ -109,7 +103,7 @@ def _follow(robot: str, seconds: float, lcm_url: str | None, config: Path | None
     if as_json:
         typer.echo(json.dumps(diagnosis.as_dict(), indent=2))
     else:
-        print_diagnosis(diagnosis, console, min(_WIDTH, console.width))
+        print_diagnosis(diagnosis, console)
     raise typer.Exit(0 if diagnosis.follows else 1)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.completing import experiments
-from pilotfish.cli.console import console, friendly_errors, progress, tell
+from pilotfish.cli.console import console, friendly_errors, progress
 from pilotfish.cli.driving_options import (
     InProcessOption,
     Law,
@@ -21,6 +21,7 @@ from pilotfish.cli.driving_options import (
     drivers_of,
 )
 from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, OutOption, PictureFormat
+from pilotfish.cli.outputs import OutputFolder
 from pilotfish.harness.driving import BASELINES
 from pilotfish.law_names import law_name
 
@@ -84,7 +85,7 @@ def experiment(
         for table in metrics_tables(results):
             console.print(table)
         if out:
-            into = gallery(out, picture_format.value, dark)
+            into, folder = gallery(out, picture_format.value, dark), OutputFolder(out)
             written = [save_recording(result, out) for result in results]
             with progress("drawing") as step:
                 for done, result in enumerate(results, 1):
@@ -93,7 +94,7 @@ def experiment(
                 written += [picture.file for picture in save_comparison(results, into)]
                 step(len(results) + 1, len(results) + 1)
             for file in written:
-                tell(f"wrote {file}")
+                folder.wrote(file)
 
 
 def _all_drivers(profile: Profiles, law: Law, tuning: Path | None) -> list[str]:

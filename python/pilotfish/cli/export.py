@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import OnProgress, byte_progress, check_writable, friendly_errors, tell
-from pilotfish.whole_files import check_not_among
+from pilotfish.cli.console import OnProgress, byte_progress, friendly_errors, warn_of_losses
+from pilotfish.cli.outputs import output_file
+
+if TYPE_CHECKING:
+    from pilotfish.logs.notes import RunNotes
 
 
 class ExportFormat(str, Enum):
@@ -69,20 +72,23 @@ def export(
       pilotfish export run.lcmlog --to rrd --out run.rrd     then: rerun run.rrd
       pilotfish export run.lcmlog --to mp4 --robot robot1 --out run.mp4
     """
+    from pilotfish.logs.notes import RunNotes
+
     with friendly_errors():
         kind = _kind(to, out)
         _check_options(kind, table, images, overlay)
-        check_writable(out)
-        check_not_among(out, _files_of(log))
+        target = output_file(out, _files_of(log))
+        notes = RunNotes()
         with byte_progress("exporting") as step:
             if kind is ExportFormat.mp4:
-                count = _export_mp4(log, out, robot, overlay, step)
+                count = _export_mp4(log, out, robot, overlay, step, notes)
             else:
-                count = _export(kind, log, out, robot, table.value, images, step)
+                count = _export(kind, log, out, robot, table.value, images, step, notes)
+        warn_of_losses(notes.loss_texts)
         what = {"csv": "rows", "parquet": "rows", "mcap": "messages", "mp4": "frames", "rrd": "frames and images"}[
             kind.value
         ]
-        tell(f"wrote {out}: {count} {what}")
+        target.wrote(f"{count} {what}")
 
 
 def _kind(to: ExportFormat | None, out: Path) -> ExportFormat:
@@ -113,26 +119,33 @@ def _files_of(log: Path) -> list[Path]:
 
 
 def _export(
-    kind: ExportFormat, log: Path, out: Path, robot: str | None, table: str, images: bool, step: OnProgress
+    kind: ExportFormat,
+    log: Path,
+    out: Path,
+    robot: str | None,
+    table: str,
+    images: bool,
+    step: OnProgress,
+    notes: RunNotes,
 ) -> int:
     if kind is ExportFormat.mcap:
         from pilotfish.logs.export.to_mcap import export_mcap
 
-        return export_mcap(log, out, robot=robot, images=images, on_progress=step)
+        return export_mcap(log, out, robot=robot, images=images, on_progress=step, notes=notes)
     if kind is ExportFormat.rrd:
         from pilotfish.logs.export.to_rrd import export_rrd
 
-        return export_rrd(log, out, robot=robot, images=images, on_progress=step)
+        return export_rrd(log, out, robot=robot, images=images, on_progress=step, notes=notes)
     if kind is ExportFormat.parquet:
         from pilotfish.logs.export.to_parquet import export_parquet
 
-        return export_parquet(log, out, table=table, robot=robot, on_progress=step)
+        return export_parquet(log, out, table=table, robot=robot, on_progress=step, notes=notes)
     from pilotfish.logs.export.to_csv import export_csv
 
-    return export_csv(log, out, table=table, robot=robot, on_progress=step)
+    return export_csv(log, out, table=table, robot=robot, on_progress=step, notes=notes)
 
 
-def _export_mp4(log: Path, out: Path, robot: str | None, overlay: bool, step: OnProgress) -> int:
+def _export_mp4(log: Path, out: Path, robot: str | None, overlay: bool, step: OnProgress, notes: RunNotes) -> int:
     from pilotfish.logs.export.to_mp4 import export_mp4
 
-    return export_mp4(log, out, robot=robot, overlay=overlay, on_progress=step)
+    return export_mp4(log, out, robot=robot, overlay=overlay, on_progress=step, notes=notes)

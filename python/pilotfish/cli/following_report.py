@@ -6,40 +6,28 @@ import math
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
-from pilotfish.doctor.following import Cause, Diagnosis, Evidence
-from pilotfish.doctor.following.evidence import Numbers, reason_text
+from pilotfish.cli.advice import print_finding
+from pilotfish.doctor.following import Diagnosis, Evidence
+from pilotfish.doctor.following.evidence import Numbers
+from pilotfish.reason_words import reason_text
 
 _MOST_COUNTERS = 8
 
 
-def print_diagnosis(diagnosis: Diagnosis, console: Console, width: int) -> None:
+def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     """The verdict, the causes with what to do, and the figures they come from."""
     verdict = "[bold green]follows[/]" if diagnosis.follows else "[bold red]does not follow[/]"
     head = f"[bold]{escape(diagnosis.robot)}[/] {verdict} (watched for {diagnosis.seconds:g} s)"
-    console.print(head, width=width)
-    _print_causes(diagnosis.causes, "bold red", console, width)
-    _print_causes(diagnosis.notes, "yellow", console, width)
+    console.print(head, soft_wrap=True)
+    for number, cause in enumerate(diagnosis.causes, start=1):
+        print_finding(console, [(f"{number}.", 2, "bold red")], cause.what, cause.do)
+    for note in diagnosis.notes:
+        print_finding(console, [("-", 2, "yellow")], note.what, note.do)
     if diagnosis.evidence:
-        table = Table.grid(padding=(0, 2))
-        table.add_column(width=16)
-        table.add_column(overflow="fold")
-        for name, text in figures(diagnosis.evidence):
-            table.add_row(f"[dim]{name}[/]", escape(text))
         console.print()
-        console.print(table, width=width)
-
-
-def _print_causes(causes: list[Cause], colour: str, console: Console, width: int) -> None:
-    table = Table.grid(padding=(0, 1))
-    table.add_column(width=2)
-    table.add_column(overflow="fold")
-    for number, cause in enumerate(causes, start=1):
-        mark = f"{number}." if colour.endswith("red") else "-"
-        table.add_row(f"[{colour}]{mark}[/]", f"{escape(cause.what)}\n[italic]-> {escape(cause.do)}[/]")
-    if causes:
-        console.print(table, width=width)
+        for name, text in [*figures(diagnosis.evidence), *_computer(diagnosis)]:
+            print_finding(console, [(name, 16, "dim")], text)
 
 
 def figures(seen: Evidence) -> list[tuple[str, str]]:
@@ -63,6 +51,11 @@ def figures(seen: Evidence) -> list[tuple[str, str]]:
     if seen.missed_deadlines:
         rows.append(("missed deadlines", str(seen.missed_deadlines)))
     return [(name, text) for name, text in rows if text]
+
+
+def _computer(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """Its load; nothing of a coordinator on another computer."""
+    return [("its computer", str(diagnosis.machine))] if diagnosis.machine else []
 
 
 def _shares(shares: dict[str, float]) -> str:

@@ -8,16 +8,16 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress
+from pilotfish.cli.console import console, friendly_errors, progress
 from pilotfish.cli.driving_options import Tunable
 from pilotfish.cli.options import DarkOption, DurationOption, FormatOption, OutOption, PictureFormat, between
+from pilotfish.cli.outputs import OutputFolder, output_file, output_picture
 
 app = typer.Typer(
     help="Formations: several robots as one file (column, wedge, diamond, star, ...); whether they hold.",
     no_args_is_help=True,
 )
 
-_SUFFIXES = (".png", ".svg", ".pdf")
 FormationArgument = Annotated[
     str,
     typer.Argument(metavar="FILE", help="A formation file, or a shipped one by name (pilotfish data formations)."),
@@ -67,15 +67,13 @@ def show(
 
     with friendly_errors():
         formation = load_formation(find_formation(file))
-        picture = out or Path(f"{formation.name}.png")
-        if picture.suffix.lower() not in _SUFFIXES:
-            raise typer.BadParameter(f"--out: '{picture.name}' ends in none of {', '.join(_SUFFIXES)}")
-        check_writable(picture)
+        picture = output_picture(out or Path(f"{formation.name}.png"))
         for table in [*watches_table(formation), otherwise_table(formation)]:
             if table:
                 console.print(table)
         theme = DARK if dark else LIGHT
-        console.print(f"wrote {save(draw_formation(formation, theme), picture)}", soft_wrap=True)
+        save(draw_formation(formation, theme), picture.file)
+        picture.wrote()
 
 
 @app.command()
@@ -97,19 +95,17 @@ def expand(
     from pilotfish.formation import find_formation, load_formation
     from pilotfish.formation.expand import expand as write
     from pilotfish.formation.expand import load_expanded
-    from pilotfish.whole_files import check_not_among
 
     with friendly_errors():
         if out.suffix.lower() not in (".yaml", ".yml"):
             raise typer.BadParameter(f"--out: '{out.name}' ends in neither .yaml nor .yml")
         source = find_formation(file)
-        check_writable(out)
-        check_not_among(out, [source])
+        target = output_file(out, [source])
         formation = load_formation(source)
         with tempfile.TemporaryDirectory(prefix="pilotfish-") as folder:
             load_expanded(formation, Path(folder))  # refused before anything is written
         write(formation, out)
-        console.print(f"wrote {out} and {out.with_name(f'{out.stem}_files')}", soft_wrap=True)
+        target.wrote(f"and the folder {out.with_name(f'{out.stem}_files')}")
         if len(formation.stages) > 1:
             warn(
                 f"its {len(formation.stages) - 1} changes of shape are not in the scenario; `formation run` plays them"
@@ -164,15 +160,15 @@ def run(
             from pilotfish.plots.followed import draw_followed
             from pilotfish.plots.paths import draw_paths
 
-            into = gallery(out, picture_format.value, dark)
+            into, folder = gallery(out, picture_format.value, dark), OutputFolder(out)
             stem, title = f"{formation.name}_{law.value}", f"{formation.name}, {law.value}: from above"
             for robot, recording in done.recordings.items():
-                console.print(f"wrote {recording.to_csv(out / f'{stem}_{robot}.csv')}", soft_wrap=True)
+                folder.wrote(recording.to_csv(out / f"{stem}_{robot}.csv"))
             figure = draw_paths(list(done.recordings.values()), title, into.theme)
-            console.print(f"wrote {into.save(figure, f'{stem}_paths', title, '').file}", soft_wrap=True)
+            folder.wrote(into.save(figure, f"{stem}_paths", title, "").file)
             for robot in formation.otherwise.watches:
                 figure, title = draw_followed(done, robot, into.theme), f"{formation.name}: whom {robot} follows"
-                console.print(f"wrote {into.save(figure, f'{stem}_{robot}_followed', title, '').file}", soft_wrap=True)
+                folder.wrote(into.save(figure, f"{stem}_{robot}_followed", title, "").file)
 
 
 @app.command()
@@ -240,27 +236,26 @@ def stability(
     intents = Network(intent_delay_s, intent_loss) if leader_intent else None
     trial = Trial(robots, spacing_m, speed_mps, amplitude_mps, frequencies_hz, seed, own, intents)
     with friendly_errors():
-        if json_file:
-            check_writable(json_file)
+        figures = output_file(json_file) if json_file else None
         with progress("chains") as step:
             results = measure(laws, headways_s, trial, jobs=jobs, on_progress=step)
         for table in stability_tables(results, trial):
             console.print(table)
-        if json_file:
-            write_whole(json_file, json.dumps(to_json(results, trial), indent=1) + "\n")
-            console.print(f"wrote {json_file}", soft_wrap=True)
+        if figures:
+            write_whole(figures.file, json.dumps(to_json(results, trial), indent=1) + "\n")
+            figures.wrote()
         if out:
             from pilotfish.cli.pictures import gallery
             from pilotfish.plots.string_stability import draw_string_stability
 
-            into = gallery(out, picture_format.value, dark)
+            into, folder = gallery(out, picture_format.value, dark), OutputFolder(out)
             for own_s in headways_s:
                 chosen = [result for result in results if result.headway_s == own_s]
                 said = ", with leader intents" if intents else ""
                 title = f"A chain of {robots}, {spacing_m:g} m, headway {own_s:g} s{said}: leader at {speed_mps:g} m/s"
                 figure = draw_string_stability(chosen, f"{title} ± {amplitude_mps:g} m/s", into.theme)
                 name = "string_stability" if len(headways_s) == 1 else f"string_stability_{own_s:g}s"
-                console.print(f"wrote {into.save(figure, name, title, '').file}", soft_wrap=True)
+                folder.wrote(into.save(figure, name, title, "").file)
 
 
 @app.command()
@@ -291,17 +286,16 @@ def gaps(
 
     content = {"coordinator": str(config.resolve())} if config else {}
     with friendly_errors():
-        if json_file:
-            check_writable(json_file)
+        figures = output_file(json_file) if json_file else None
         results = []
         for path in PATHS:
             with progress(f"{path.replace('_', ' ')}, {law.value}") as step:
                 how = {"robots": robots, "spacing_m": spacing_m, "speed_mps": speed_mps, "content": content}
                 results.append(steady_gaps(path, law.value, **how, on_progress=step))
         console.print(gaps_table(results))
-        if json_file:
-            write_whole(json_file, json.dumps([asdict(result) for result in results], indent=1) + "\n")
-            console.print(f"wrote {json_file}", soft_wrap=True)
+        if figures:
+            write_whole(figures.file, json.dumps([asdict(result) for result in results], indent=1) + "\n")
+            figures.wrote()
 
 
 def _numbers(

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import console, friendly_errors, tell, warn
+from pilotfish.cli.console import console, friendly_errors, warn
 from pilotfish.cli.fuzzy_prove import prove
 from pilotfish.cli.options import between
+from pilotfish.cli.outputs import output_file, output_folder, output_picture, writable_folder
 from pilotfish.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -78,7 +79,10 @@ app.command()(prove)
 def plot(
     file: FileArgument,
     out: Annotated[
-        Path | None, typer.Option("--out", file_okay=False, help="Folder for the pictures; default: beside FILE.")
+        Path | None,
+        typer.Option(
+            "--out", file_okay=False, callback=writable_folder, help="Folder for the pictures; default: beside FILE."
+        ),
     ] = None,
 ) -> None:
     """Draw the sets, the surface u(e, ec) and the curve u(e, 0) as PNG files.
@@ -96,13 +100,14 @@ def plot(
     with friendly_errors():
         controller = load(file)
         name, folder = controller.name, out or file.parent
+        into = output_folder(folder)
         drawings = {
             "sets": draw_fuzzy_sets(controller, f"Membership functions of '{name}'"),
             "surface": draw_surface(controller, f"Control surface of '{name}'"),
             "curve": draw_curve(controller, analyse(controller), f"The curve u(e, 0) of '{name}'"),
         }
         for kind, figure in drawings.items():
-            tell(f"wrote {save(figure, folder / f'{file.stem}_{kind}.png')}")
+            into.wrote(save(figure, folder / f"{file.stem}_{kind}.png"))
 
 
 @app.command()
@@ -114,7 +119,9 @@ def explain(
         float, typer.Option(callback=_WIDTH, help="Width of the input A' of eq. (6); 0: singleton.")
     ] = 0.0,
     width_error_change: Annotated[float, typer.Option(callback=_WIDTH, help="Width of B'.")] = 0.0,
-    out: Annotated[Path | None, typer.Option("--out", dir_okay=False, help="Draw it, into this file.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", dir_okay=False, help="Draw it, into this file: .png, .svg or .pdf.")
+    ] = None,
 ) -> None:
     """Say which rules fire at one pair of inputs, how strongly, and what comes of them.
 
@@ -130,6 +137,7 @@ def explain(
     from pilotfish.plots.style import save
 
     with friendly_errors():
+        picture = output_picture(out) if out else None
         controller = load(file)
         widths = fuzzy.InputWidths(error=width_error, error_change=width_error_change)
         for variable, value in ((controller.error, error), (controller.error_change, error_change)):
@@ -137,10 +145,9 @@ def explain(
                 nearest = min(max(value, variable.min), variable.max)
                 warn(f"{variable.name} = {value:g} is beyond its universe and counts as {nearest:g}")
         console.print(firing_table(controller, fuzzy.explain(controller, error, error_change, widths)))
-        if out is not None:
-            console.print(
-                f"wrote {save(draw_explanation(controller, error, error_change, widths), out)}", soft_wrap=True
-            )
+        if picture:
+            save(draw_explanation(controller, error, error_change, widths), picture.file)
+            picture.wrote()
 
 
 @app.command()
@@ -156,12 +163,12 @@ def convert(
       pilotfish fuzzy convert coordination.fll coordination.yaml
     """
     from pilotfish.fuzzy_report import load
+    from pilotfish.whole_files import write_whole
 
     with friendly_errors():
-        text = _written(load(source), target)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text)
-        tell(f"wrote {target}")
+        output = output_file(target, [source])
+        write_whole(target, _written(load(source), target))
+        output.wrote()
 
 
 def _written(controller: fuzzy.Controller, target: Path) -> str:

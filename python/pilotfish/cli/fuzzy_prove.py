@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, share_progress, warn
+from pilotfish.cli.console import console, friendly_errors, share_progress, warn
 from pilotfish.cli.options import between
+from pilotfish.cli.outputs import output_file
 from pilotfish.errors import ConfigError
 from pilotfish.fuzzy_proof.model import RANGES, Following
 
@@ -180,12 +181,9 @@ def _from_configuration(file: Path) -> dict[str, float]:
 
 def _check_counterexample(file: Path, law: Path, config: Path | None) -> None:
     """Before the work: a name that a scenario can have, in a place that can be written, and not that of an input."""
-    from pilotfish.whole_files import check_not_among
-
     if file.suffix not in (".yaml", ".yml"):
         raise typer.BadParameter(f"'{file.name}' does not end in .yaml", param_hint="--counterexample")
-    check_not_among(file, [law, *([config] if config else [])])
-    check_writable(file)
+    output_file(file, [law, *([config] if config else [])])
 
 
 def _write(file: Path | None, controller: fuzzy.Controller, proof: Proof) -> list[Path]:

@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, print_whole, tell, warn, working
+from pilotfish.cli.console import byte_progress, friendly_errors, print_whole, tell, warn, working
 from pilotfish.cli.options import between
+from pilotfish.cli.outputs import output_file, output_picture
 from pilotfish.errors import RecordingError
 
 if TYPE_CHECKING:
     from pilotfish.identify import DriveFit, KeyVerdict
     from pilotfish.logs import RobotRun
-
-_PICTURES = (".png", ".svg", ".pdf")
 
 
 def identify(
@@ -70,11 +69,8 @@ def identify(
       pilotfish identify recordings --wheel-radius-m 0.05 --track-width-m 0.30
     """
     with friendly_errors():
-        if plot is not None and plot.suffix.lower() not in _PICTURES:
-            raise typer.BadParameter(f"--plot {plot}: a picture ends with {', '.join(_PICTURES)}")
-        for file in (output, plot):
-            if file is not None:
-                check_writable(file)
+        picture = output_picture(plot, "--plot") if plot else None
+        target = output_file(output, [log]) if output else None
         from pilotfish.identify import as_yaml, evidence_of, fit_drive, verdicts_of
         from pilotfish.identify.fit import STRAYING_M_PER_SQRT_S
         from pilotfish.identify.verdicts import settings_numbers
@@ -98,16 +94,17 @@ def identify(
             warn("the fit still moved when it ended: record a longer run, or one with more changes of speed")
         if fit.straying_m_per_sqrt_s > STRAYING_M_PER_SQRT_S:
             warn("the wheels slip or step: the latency may be 20 ms too short, and the turn gain a third too great")
-        if output is not None:
+        if target:
             from pilotfish.whole_files import write_whole
 
-            write_whole(output, as_yaml(verdicts, log.name))
-            tell(f"wrote {output}")
-        if plot is not None:
+            write_whole(target.file, as_yaml(verdicts, log.name))
+            target.wrote()
+        if picture:
             from pilotfish.plots.drive_identification import draw_drive_identification
             from pilotfish.plots.style import save
 
-            tell(f"wrote {save(draw_drive_identification(fit, f'{one.name}: the drive in {log.name}'), plot)}")
+            save(draw_drive_identification(fit, f"{one.name}: the drive in {log.name}"), picture.file)
+            picture.wrote()
 
 
 def _only(log: Path, robots: list[RobotRun]) -> RobotRun:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pilotfish.cli.console import friendly_errors, tell, tell_next, warn
-from pilotfish.cli.options import writable_folder
+from pilotfish.cli.outputs import writable_folder
 
 
 def init(
@@ -22,10 +22,13 @@ def init(
     ] = "camera:0",
     calibration: Annotated[
         Path | None,
-        typer.Option("--calibration", dir_okay=False, help="Its camera's calibration, by OpenCV or ViSP, to copy."),
+        typer.Option(
+            "--calibration", exists=True, dir_okay=False, help="Its camera's calibration, by OpenCV or ViSP, to copy."
+        ),
     ] = None,
     leader: Annotated[
-        Path | None, typer.Option("--leader", dir_okay=False, help="The leader file of whom it follows, to copy.")
+        Path | None,
+        typer.Option("--leader", exists=True, dir_okay=False, help="The leader file of whom it follows, to copy."),
     ] = None,
     user: Annotated[
         str | None, typer.Option("--user", help="Who the services run as. Default: you (root: the user pilotfish).")

@@ -11,8 +11,9 @@ from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, tell
+from pilotfish.cli.console import console, friendly_errors
 from pilotfish.cli.options import between
+from pilotfish.cli.outputs import output_picture
 
 if TYPE_CHECKING:
     from pilotfish.core import LeaderBody
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 app = typer.Typer(help="Look at a leader's file (the tags it wears): show, check.", no_args_is_help=True)
 
 FINDINGS = 1  # exit code of check
-_SUFFIXES = (".png", ".svg", ".pdf")
 _COLOURS = {"error": "bold red", "warning": "bold yellow", "note": "dim"}
 
 FileArgument = Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="A leader's YAML.")]
@@ -82,14 +82,12 @@ def show(
     from pilotfish.plots.leader_picture import draw_leader
     from pilotfish.plots.style import save
 
-    picture = out or Path(f"{file.stem}.png")
-    if picture.suffix.lower() not in _SUFFIXES:
-        raise typer.BadParameter(f"--out: '{picture.name}' ends in none of {', '.join(_SUFFIXES)}")
     with friendly_errors():
-        check_writable(picture)
+        picture = output_picture(out or Path(f"{file.stem}.png"))
         body, visibility, findings = _look(file, config, camera, distance_m, height_m)
         remarks = [f"{finding.level.value}: {finding.text}" for finding in findings] or ["nothing found"]
-        tell(f"wrote {save(draw_leader(body, visibility, remarks), picture)}")
+        save(draw_leader(body, visibility, remarks), picture.file)
+        picture.wrote()
 
 
 @app.command()

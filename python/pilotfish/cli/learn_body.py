@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next, working
+from pilotfish.cli.console import friendly_errors, progress, tell_next, working
 from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
+from pilotfish.cli.outputs import output_file
+from pilotfish.cli.truth_report import OFF_TRUTH, TruthOfBody, print_differences
 
 if TYPE_CHECKING:
     from pilotfish.calibration.body import KnownTag, TagSizes, TurningCentre
@@ -73,6 +75,7 @@ def learn_body(
             exists=True, dir_okay=False, help="A leader YAML that holds the reference tag.", rich_help_panel=KNOWN
         ),
     ] = None,
+    truth: TruthOfBody = None,
 ) -> None:
     """Learn where the tags of a leader sit, from a video of it turning, and write its YAML.
 
@@ -106,16 +109,25 @@ def learn_body(
       pilotfish learn-body pictures --camera camera.yaml --tag-size 0.16 \\
           --tag-size 7=0.10 --reference-tag 0 --reference-position -0.2 0 0.25 \\
           --output my_robot.yaml
+
+    \b
+    Rehearsed without a robot
+      pilotfish render body --out turn
+      pilotfish learn-body turn --camera turn/camera.yaml --tag-size 0.16 \\
+          --height-of 0=0.251043 --output my_robot.yaml --truth turn/truth.yaml
     """
     from pilotfish.calibration import body as body_calibration
+    from pilotfish.calibration.rehearsal import body_differences
     from pilotfish.cli.body_report import print_report, remarks
     from pilotfish.coordinator import load_calibration
     from pilotfish.errors import ConfigError, PilotfishError
+    from pilotfish.leader import load_leader
     from pilotfish.vision import TagFamily
 
     sizes = tag_sizes(tag_size)
     with friendly_errors():
-        check_writable(output)
+        target = output_file(output, [video, camera, *(each for each in (reference_leader, truth) if each)])
+        true = load_leader(truth) if truth else None
         try:
             model = load_calibration(str(camera))
             TagFamily(family)  # refused here, before the video is opened
@@ -146,8 +158,13 @@ def learn_body(
             )
         body_calibration.write_leader_body(output, learned.body, remarks(video.name, learned))
         print_report(collected, learned)
-        tell(f"wrote {output}")
+        target.wrote()
         tell_next("to look at it", "pilotfish", "leader", "show", output)
+        agrees = True
+        if truth and true:
+            agrees = print_differences(body_differences(learned.body, true), truth)
+    if not agrees:
+        raise typer.Exit(OFF_TRUTH)
 
 
 def _number(text: str, option: str) -> float:

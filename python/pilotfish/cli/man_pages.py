@@ -22,10 +22,10 @@ from pilotfish import __version__
 
 EXIT_STATUS = {
     0: "Done.",
-    1: "A check has findings: replay --assert, doctor, leader check, fuzzy check.",
+    1: "A check has findings: replay --assert, doctor, leader check, fuzzy check, a calibration with --truth.",
     64: "The command line is wrong.",
     65: "A file that is no recording or shows too little; a calibration that must be done again.",
-    66: "A file that is not there.",
+    66: "A file to read that is not there.",
     69: "No robot answers; the camera or the bus cannot be opened; a Python package is missing, and the message says "
     "how to install it.",
     70: "A robot answers and does not comply.",
@@ -33,6 +33,7 @@ EXIT_STATUS = {
     78: "A configuration, leader or calibration is wrong; the message names the key.",
     130: "Ctrl-C.",
     141: "A pipe without a reader.",
+    143: "SIGTERM.",
 }
 PROGRAMS = ("pilotfish-base", "pilotfish-coordinator", "pilotfish-sim", "pilotfish-spy")
 _TITLE_MAX = 60  # characters: what is longer is a sentence, and no heading

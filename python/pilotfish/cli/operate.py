@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import friendly_errors, tell
+from pilotfish.cli.console import friendly_errors, tell, warn
+from pilotfish.errors import ConfigError
 
 if TYPE_CHECKING:
     from pilotfish.bus import StatusReport
@@ -17,12 +18,18 @@ if TYPE_CHECKING:
 RobotArgument = Annotated[str, typer.Argument(help="The robot's name on the bus, e.g. robot1.")]
 UrlOption = Annotated[str, typer.Option("--lcm-url", help="LCM bus. Default: $LCM_DEFAULT_URL, else this host alone.")]
 KeyOption = Annotated[
-    Path | None, typer.Option("--key", dir_okay=False, help="The coordinator's key_file, if it has one.")
+    Path | None,
+    typer.Option("--key", exists=True, dir_okay=False, help="The coordinator's key_file, if it has one."),
+]
+StopKeyOption = Annotated[
+    Path | None, typer.Option("--key", help="Accepted as by the other commands; a stop does not need it.")
 ]
 WithinOption = Annotated[float, typer.Option("--within-s", min=0.1, max=3600.0, help="How long to try.")]
 
 
-def stop(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, within_s: WithinOption = 3.0) -> None:
+def stop(
+    robot: RobotArgument, lcm_url: UrlOption = "", key: StopKeyOption = None, within_s: WithinOption = 3.0
+) -> None:
     """Stop a robot: it stands still until it is resumed. Works without a key, always.
 
     Sends at once, several times, until the robot's status confirms the stop; ends with 69 if no
@@ -33,7 +40,13 @@ def stop(robot: RobotArgument, lcm_url: UrlOption = "", key: KeyOption = None, w
       pilotfish stop robot1
     """
     with friendly_errors():
-        operator = _operator(robot, lcm_url, key)
+        try:
+            operator = _operator(robot, lcm_url, key)
+        except (ConfigError, OSError) as error:
+            if key is None:
+                raise
+            warn(f"{error}. Stopping without it: a stop needs no key")
+            operator = _operator(robot, lcm_url, None)
         _say(operator, operator.stop(within_s))
 
 

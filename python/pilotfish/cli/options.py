@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from pilotfish.cli.outputs import writable_folder
 
 
 def between(low: float, high: float, unit: str = "") -> Callable[[float | None], float | None]:
@@ -30,23 +31,6 @@ DurationOption = Annotated[
         help="Play this long instead of what the scenario says; 0.5 to 1e5 s.",
     ),
 ]
-
-
-def writable_folder(folder: Path | None) -> Path | None:
-    """Refuses one that cannot be made or written to, before minutes of work end in that. Nothing of it stays."""
-    if folder is None:
-        return None
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        writable = os.access(folder, os.W_OK)
-        for path in missing:
-            path.rmdir()
-    except OSError as error:
-        raise typer.BadParameter(f"{folder} cannot be made: {error.strerror}") from None
-    if not writable:
-        raise typer.BadParameter(f"{folder} cannot be written to")
-    return folder
 
 
 class PictureFormat(str, Enum):

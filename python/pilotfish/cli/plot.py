@@ -9,8 +9,9 @@ from typing import Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, friendly_errors, progress, tell
-from pilotfish.cli.options import between, writable_folder
+from pilotfish.cli.console import byte_progress, friendly_errors, progress, warn_of_losses
+from pilotfish.cli.options import between
+from pilotfish.cli.outputs import output_folder, writable_folder
 from pilotfish.errors import ConfigError
 
 _LOG_SUFFIXES = (".log", ".lcmlog", ".lcm")
@@ -68,23 +69,24 @@ def plot(
     """
     with friendly_errors():
         suffix = f".{picture_format.value}"
-        if _is_log(file):
-            written = _draw_log(file, out or file.resolve().parent, robot, suffix, dark)
+        is_log = _is_log(file)
+        into = out or (file.resolve() if is_log else file).parent
+        folder = output_folder(into)
+        if is_log:
+            written = _draw_log(file, into, robot, suffix, dark)
         elif dark:
             raise typer.BadParameter(f"--dark is for black boxes and files of lcm-logger, and {file} is neither")
         elif file.suffix == ".csv":
-            written = _draw_recording(
-                file, out or file.parent, suffix, robot, distance_setpoint_m, bearing_setpoint_deg
-            )
+            written = _draw_recording(file, into, suffix, robot, distance_setpoint_m, bearing_setpoint_deg)
         elif file.suffix in (".yaml", ".yml"):
-            written = _draw_fuzzy(file, out or file.parent, suffix)
+            written = _draw_fuzzy(file, into, suffix)
         else:
             raise typer.BadParameter(
                 f"'{file.suffix}' is neither .csv (a recording of the simulator) nor .yaml (a fuzzy controller), and "
                 f"{file} does not begin as a black box or a file of lcm-logger does"
             )
         for picture in written:
-            tell(f"wrote {picture}")
+            folder.wrote(picture)
 
 
 def _is_log(file: Path) -> bool:
@@ -104,6 +106,7 @@ def _draw_log(file: Path, out: Path, robot: str | None, suffix: str, dark: bool)
 
     with byte_progress("reading") as step:
         run = read_run(file, robot, step)
+    warn_of_losses(run.losses)
     coordinators = run.recorded_coordinators()
     theme, name = DARK if dark else LIGHT, file.resolve().name if file.is_dir() else file.stem
     written: list[Path] = []

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import byte_progress, check_writable, friendly_errors, tell, warn, working
+from pilotfish.cli.console import byte_progress, friendly_errors, warn_of_losses, working
+from pilotfish.cli.outputs import output_file
 
 if TYPE_CHECKING:
     from pilotfish.logs import Run
@@ -38,11 +39,11 @@ def report(
     """
     from pilotfish.logs import read_run
     from pilotfish.logs.report import report_html
-    from pilotfish.whole_files import check_not_among, written_whole
+    from pilotfish.whole_files import written_whole
 
     with friendly_errors():
-        check_writable(out)
-        check_not_among(out, (file for path in runs for file in ([path] if path.is_file() else path.iterdir())))
+        inputs = (file for path in runs for file in ([path] if path.is_file() else path.iterdir()))
+        target = output_file(out, inputs)
         recordings = []
         for path in runs:
             with byte_progress(f"reading {path.name or path}") as step:
@@ -53,9 +54,8 @@ def report(
         with written_whole(out) as partial:
             partial.write_text(text, encoding="utf-8")
         for recording in recordings:
-            if recording.damage:
-                warn(f"{recording.path}: {len(recording.damage)} damaged places; the page names them")
-        tell(f"wrote {out} ({len(text) / 1e6:.1f} MB)")
+            warn_of_losses(recording.losses)
+        target.wrote(f"{len(text) / 1e6:.1f} MB")
 
 
 def _named(recordings: list[Run]) -> list[ReportedRun]:

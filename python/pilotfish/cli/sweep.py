@@ -5,38 +5,30 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-import typer.core
 
 from pilotfish.cli.console import console, friendly_errors, progress, warn
-from pilotfish.cli.options import writable_folder
+from pilotfish.cli.default_command import DefaultCommandGroup
+from pilotfish.cli.outputs import output_file, writable_folder
 from pilotfish.cli.sweep_results import plot, report, sensitivity
+from pilotfish.interrupts import BOUNCE_S
 
 if TYPE_CHECKING:
     from pilotfish.sweep.campaign import Campaign
     from pilotfish.sweep.run import Summary
 
-INTERRUPTED = 130  # 128 + SIGINT, as a shell says it
 _RUN = "run"
 
 
-class _RunByDefault(typer.core.TyperGroup):
-    """``pilotfish sweep FILE`` is ``pilotfish sweep run FILE``."""
-
-    def with_default(self, args: list[str]) -> list[str]:
-        """With ``run`` in front of what is no subcommand."""
-        return args if not args or args[0] in self.commands else [_RUN, *args]
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """As click's, with the default."""
-        asks = bool(args) and args[0] in ctx.help_option_names
-        return super().parse_args(ctx, args if asks else self.with_default(args))
+class _RunByDefault(DefaultCommandGroup):
+    default = _RUN
 
 
 app = typer.Typer(
@@ -57,7 +49,9 @@ Examples
 """,
 )
 
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="The campaign (see --describe).")]
+FileArgument = Annotated[
+    Path, typer.Argument(metavar="FILE", exists=True, dir_okay=False, help="The campaign (see --describe).")
+]
 
 
 def _print_description(wanted: bool) -> None:
@@ -131,13 +125,13 @@ def run(
             return
         folder = out or Path("out") / file.stem
         where = Where(os.cpu_count() or 1 if workers is None else workers, scheduler)
-        with _stopping() as stop, progress(campaign.name) as step:
+        with _stopping() as stopped_by, progress(campaign.name) as step:
             summary = run_campaign(
-                campaign, folder, where, on_started=_say_dashboard, on_progress=step, stopping=stop.is_set
+                campaign, folder, where, on_started=_say_dashboard, on_progress=step, stopping=lambda: bool(stopped_by)
             )
         console.print(_summed_up(summary, folder), soft_wrap=True, highlight=False)
-        if stop.is_set() and summary.done < summary.total:
-            raise typer.Exit(INTERRUPTED)
+        if stopped_by and summary.done < summary.total:
+            raise typer.Exit(128 + stopped_by[0])
 
 
 @app.command()
@@ -155,13 +149,12 @@ def rerun(
     """
     import tempfile
 
-    from pilotfish.cli.console import check_writable
     from pilotfish.sweep.campaign import load_campaign
     from pilotfish.sweep.metrics import outcome
     from pilotfish.sweep.play import record
 
     with friendly_errors():
-        check_writable(out)
+        target = output_file(out, [file])
         campaign = load_campaign(file)
         if number >= campaign.count:
             raise typer.BadParameter(f"{number} is not one of its runs, which are 0 to {campaign.count - 1}")
@@ -174,7 +167,8 @@ def rerun(
         job = campaign.job
         result, reason = outcome(recording, job.collision_distance_m, job.lost_after_s)
         console.print(f"{result}{': ' if reason else ''}{reason}", highlight=False)
-        console.print(f"wrote {recording.to_csv(out)}", soft_wrap=True)
+        recording.to_csv(out)
+        target.wrote()
 
 
 app.command()(plot)
@@ -183,22 +177,28 @@ app.command()(report)
 
 
 @contextmanager
-def _stopping() -> Iterator[threading.Event]:
-    """Set by the first Ctrl-C or SIGTERM; the second ends at once."""
-    event = threading.Event()
+def _stopping() -> Iterator[list[int]]:
+    """The signal (Ctrl-C, SIGTERM) that came first, once one has come. A second one, no bounce, ends at once."""
+    came: list[int] = []
+    ends_from_s = [0.0]
 
-    def stop(_number: int, _frame: FrameType | None) -> None:
-        if event.is_set():
+    def stop(number: int, _frame: FrameType | None) -> None:
+        if not came:
+            came.append(number)
+            ends_from_s[0] = time.monotonic() + BOUNCE_S
+            warn("stopping; what is done is kept, and the same command goes on. Once more: at once")
+        elif time.monotonic() > ends_from_s[0]:
+            ends_from_s[0] = time.monotonic() + BOUNCE_S
             raise KeyboardInterrupt
-        event.set()
-        warn("stopping; what is done is kept, and the same command goes on. Once more: at once")
 
     if threading.current_thread() is not threading.main_thread():
-        yield event
+        yield came
         return
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield event
+        yield came
+    except KeyboardInterrupt:
+        raise typer.Exit(128 + came[0]) from None
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, print_whole, warn
+from pilotfish.cli.console import console, friendly_errors, print_whole, warn
 from pilotfish.cli.options import DarkOption
+from pilotfish.cli.outputs import Output, output_file, output_picture
 from pilotfish.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -78,12 +79,13 @@ def plot(
             raise ConfigError(f"no run of {folder} has {metric}: `pilotfish sweep report {folder}` says why")
         if logarithmic and any(each.mean <= 0.0 for curve in drawn for each in curve.intervals):
             raise typer.BadParameter(f"--log: {metric} is not above 0 everywhere")
-        file = _picture(out, folder, f"{metric}_over_{name.rpartition('.')[2]}")
+        picture = _picture(out, folder, f"{metric}_over_{name.rpartition('.')[2]}")
         only = f" ({', '.join(where)})" if where else ""
         title = f"{results.identity['scenario']}{only}: {metric_label(metric).partition(' [')[0]}"
         theme = DARK if dark else LIGHT
         figure = draw_sweep(drawn, factor_label(name), metric_label(metric), title, interval.value, logarithmic, theme)
-        console.print(f"wrote {save(figure, file)}", soft_wrap=True)
+        save(figure, picture.file)
+        picture.wrote()
 
 
 def sensitivity(
@@ -116,7 +118,7 @@ def sensitivity(
 
     with friendly_errors():
         results = _loaded(folder, where)
-        file = _picture(out, folder, f"sensitivity_{metric}")
+        picture = _picture(out, folder, f"sensitivity_{metric}")
         found = sensitivities(results, metric, by, logarithmic)
         what = ("logarithm of the " if logarithmic else "") + metric_label(metric).partition(" [")[0]
         heads = ["first-order index", "total index"] if found[0].method == "sobol" else ["PAWN index"]
@@ -134,7 +136,8 @@ def sensitivity(
                 warn(f"{each.left_out} points left out: no run has {metric} there, or in a point that belongs to them")
         labels = {name: factor_label(name) for name in found[0].total}
         figure = draw_sensitivity(found, labels, f"What the {what} depends on", DARK if dark else LIGHT)
-        console.print(f"wrote {save(figure, file)}", soft_wrap=True)
+        save(figure, picture.file)
+        picture.wrote()
 
 
 def report(
@@ -157,8 +160,7 @@ def report(
       pilotfish sweep report out/laws --csv laws.csv
     """
     with friendly_errors():
-        if csv_file:
-            check_writable(csv_file)
+        table_file = output_file(csv_file) if csv_file else None
         results = _loaded(folder, where)
         chosen = metric or [name for name in _USUAL if name in results.metrics] or results.metrics[:4]
         for name in chosen:
@@ -172,12 +174,14 @@ def report(
             print_whole(table, 40 + 30 * len(chosen))
         _print_reasons(results)
         _print_worst(results, chosen[0])
-        if csv_file:
-            with csv_file.open("w", newline="", encoding="utf-8") as stream:
+        if table_file:
+            from pilotfish.whole_files import written_whole
+
+            with written_whole(table_file.file) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
                 writer = csv.writer(stream, lineterminator="\n")
                 writer.writerow(results.columns)
                 writer.writerows(zip(*(column.tolist() for column in results.columns.values()), strict=True))
-            console.print(f"wrote {csv_file}", soft_wrap=True)
+            table_file.wrote()
 
 
 _USUAL = ("rms_distance_mm", "rms_bearing_deg", "rms_jerk_mps3", "failed_percent")
@@ -189,14 +193,8 @@ def _loaded(folder: Path, where: list[str] | None) -> Results:
     return load_results(folder).where(where or [])
 
 
-def _picture(out: Path | None, folder: Path, stem: str) -> Path:
-    from pilotfish.plots.style import FORMATS
-
-    file = out or folder / f"{stem}.png"
-    if file.suffix[1:] not in FORMATS:
-        raise typer.BadParameter(f"--out: '{file.name}' ends in none of {', '.join('.' + each for each in FORMATS)}")
-    check_writable(file)
-    return file
+def _picture(out: Path | None, folder: Path, stem: str) -> Output:
+    return output_picture(out or folder / f"{stem}.png")
 
 
 def _means_table(results: Results, by: str | None, metrics: list[str]) -> Table:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, friendly_errors, progress, tell, tell_next
+from pilotfish.cli.board_options import COLUMNS, ROWS, SQUARE, board_from_options, read_option
+from pilotfish.cli.console import friendly_errors, progress, tell_next
 from pilotfish.cli.options import between
+from pilotfish.cli.outputs import Output, output_file
 from pilotfish.whole_files import check_same
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from pilotfish.core import LeaderBody
     from pilotfish.printing import Page, Paper
 
-_Read = TypeVar("_Read")
 SIZE_M = (0.005, 5.0)  # as in core.BodyTag
 _ANGLE = between(-360.0, 360.0, "degrees")
 _PLACE = (-10.0, 10.0)  # as in core.BodyTag
@@ -116,9 +116,9 @@ def tags(
         BoardKind | None,
         typer.Option(help="Print a calibration board, and its YAML beside it.", rich_help_panel=BOARD),
     ] = None,
-    columns: Annotated[int, typer.Option(help="Squares along a row, 4 to 40.", rich_help_panel=BOARD)] = 8,
-    rows: Annotated[int, typer.Option(help="Rows of squares, 4 to 40.", rich_help_panel=BOARD)] = 6,
-    square: Annotated[str, typer.Option(help="Side of a square.", rich_help_panel=BOARD)] = "30mm",
+    columns: Annotated[int, typer.Option(help="Squares along a row, 4 to 40.", rich_help_panel=BOARD)] = COLUMNS,
+    rows: Annotated[int, typer.Option(help="Rows of squares, 4 to 40.", rich_help_panel=BOARD)] = ROWS,
+    square: Annotated[str, typer.Option(help="Side of a square.", rich_help_panel=BOARD)] = SQUARE,
     marker: Annotated[
         str | None,
         typer.Option(help="Side of a ChArUco marker.", show_default="11/15 of a square", rich_help_panel=BOARD),
@@ -168,12 +168,12 @@ def tags(
     from pilotfish.printing import parse_paper
 
     _refuse_mixed(context, ids is not None, body is not None, faces is not None, board is not None)
-    sheet = _read("--paper", parse_paper, paper)
+    sheet = read_option("--paper", parse_paper, paper)
     _check_suffixes(out, leader)
     with friendly_errors():
         require("reportlab", "tags")  # said at once
         if board is not None:
-            wanted = _board(board.value, columns, rows, square, marker, dictionary)
+            wanted = board_from_options(board.value, columns, rows, square, marker, dictionary)
             _print_board(wanted, sheet, out or Path("board.pdf"), replace)
         elif body is not None:
             _print_body(_load_body(body), sheet, border_cells, fold, out or Path(f"{body.stem}.pdf"))
@@ -189,13 +189,12 @@ def tags(
                 numbers, _size(size), family, border_cells, angle_deg, position, facing_deg, tilt_deg, leader
             )
             pdf = out or Path(f"{leader.stem}.pdf" if leader else "tags.pdf")
-            if leader is not None:
-                check_writable(leader)
-                if not replace:
-                    check_same(leader, leader_text(designed, _leader_remarks(pdf)), "--replace")
+            target = output_file(leader) if leader else None
+            if leader and not replace:
+                check_same(leader, leader_text(designed, _leader_remarks(pdf)), "--replace")
             _print_body(designed, sheet, border_cells, fold, pdf)
-            if leader is not None:
-                _write_leader(leader, designed, pdf)
+            if target:
+                _write_leader(target, designed, pdf)
         else:
             _print_tags(
                 _ids(ids or ""), _size(size), family or "tag36h11", sheet, border_cells, out or Path("tags.pdf")
@@ -242,37 +241,16 @@ def _check_suffixes(out: Path | None, leader: Path | None) -> None:
         raise typer.BadParameter(f"--leader: '{leader.name}' ends neither in .yaml nor in .yml")
 
 
-def _read(option: str, parse: Callable[..., _Read], *arguments: object) -> _Read:
-    try:
-        return parse(*arguments)
-    except ValueError as error:
-        raise typer.BadParameter(f"{option}: {error}") from None
-
-
 def _ids(text: str) -> list[int]:
     from pilotfish.printing import parse_ids
 
-    return _read("--ids", parse_ids, text)
+    return read_option("--ids", parse_ids, text)
 
 
 def _size(text: str | None) -> float:
     from pilotfish.printing import parse_length_m
 
-    return _read("--size", parse_length_m, "0.16" if text is None else text, *SIZE_M)
-
-
-def _board(kind: str, columns: int, rows: int, square: str, marker: str | None, dictionary: str | None) -> Board:
-    from pilotfish.calibration.board import SQUARE_M, Board
-    from pilotfish.printing import parse_length_m
-
-    square_m = _read("--square", parse_length_m, square, *SQUARE_M)
-    if kind == "chessboard":
-        if marker or dictionary:
-            raise typer.BadParameter("--marker and --dictionary are for --board charuco: a chessboard has no markers")
-        return _read("--board", Board, kind, columns, rows, square_m)
-    # 30 mm squares have markers of 22 mm: their bits are as large as the white ring around them is wide.
-    marker_m = _read("--marker", parse_length_m, marker, *SQUARE_M) if marker else round(square_m * 11 / 15, 6)
-    return _read("--board", Board, kind, columns, rows, square_m, marker_m, dictionary or "DICT_4X4_100")
+    return read_option("--size", parse_length_m, "0.16" if text is None else text, *SIZE_M)
 
 
 def _load_body(file: Path) -> LeaderBody:
@@ -332,12 +310,12 @@ def _print_board(board: Board, paper: Paper, out: Path, replace: bool) -> None:
 
     description = out.with_suffix(".yaml")
     pages = board_pages(board, paper)
-    check_writable(description)
+    target = output_file(description)
     if not replace:
         check_same(description, board_text(board), "--replace")
     _write(pages, out, board_title(board))
     write_board(board, description)
-    tell(f"wrote {description}")
+    target.wrote()
     command = ("pilotfish", "calibrate", "camera", "camera:0", "--board", description, "--out", "camera.yaml")
     tell_next("with the printed board", *command)
 
@@ -350,19 +328,19 @@ def _leader_remarks(pdf: Path) -> list[str]:
     ]
 
 
-def _write_leader(leader: Path, body: LeaderBody, pdf: Path) -> None:
+def _write_leader(leader: Output, body: LeaderBody, pdf: Path) -> None:
     from pilotfish.calibration.body import write_leader_body
 
-    write_leader_body(leader, body, _leader_remarks(pdf))
-    tell(f"wrote {leader}")
-    tell_next("to look at it", "pilotfish", "leader", "show", leader)
+    write_leader_body(leader.file, body, _leader_remarks(pdf))
+    leader.wrote()
+    tell_next("to look at it", "pilotfish", "leader", "show", leader.file)
 
 
 def _write(pages: list[Page], out: Path, what: str) -> None:
     from pilotfish.printing import write_pdf
 
-    check_writable(out)
+    target = output_file(out)
     with progress("drawing pages") as step:
         write_pdf(pages, out, title=what, on_page=step)
     count = f"{len(pages)} page{'s' if len(pages) > 1 else ''} of {pages[0].paper.name}"
-    tell(f"wrote {out}: {what} on {count}. Print it at 100 % and measure the bar.")
+    target.wrote(f"{what} on {count}. Print it at 100 % and measure the bar.")

@@ -66,6 +66,7 @@ def top(
 
 def _run(lcm_url: str, robots: tuple[str, ...], key: Path | None) -> None:
     from pilotfish.extras import require
+    from pilotfish.loop_signals import run_until_signal
 
     require("textual", "top")
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
@@ -73,7 +74,9 @@ def _run(lcm_url: str, robots: tuple[str, ...], key: Path | None) -> None:
     from pilotfish.top.app import TopApp, stop_robot
 
     stop = stop_robot(lcm_url, key) if key else None
-    TopApp(lcm_url, robots=robots, stop=stop, wall_offset_s=time.time() - time.monotonic()).run()
+    app = TopApp(lcm_url, robots=robots, stop=stop, wall_offset_s=time.time() - time.monotonic())
+    run_until_signal(app.run_async, lambda number: app.exit(return_code=128 + number))
+    raise typer.Exit(app.return_code or 0)
 
 
 def _print(lcm_url: str, seconds: float, robots: tuple[str, ...], as_json: bool) -> None:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pilotfish.cli.console import check_writable, console, friendly_errors, progress, tell
+from pilotfish.cli.console import console, friendly_errors, progress, tell, warn
 from pilotfish.cli.driving_options import Tunable
+from pilotfish.cli.outputs import Output, output_file
+
+if TYPE_CHECKING:
+    from pilotfish.tuning import Tuned
 
 
 def tune(
@@ -22,22 +26,38 @@ def tune(
     """Search a law's parameters on a straight, a circling, a stopping and a cornering leader.
 
     Every law is tuned on the same cost, with the same search and budget. The result is a file for the coordinator's
-    `tuning:` or `--tuning`.
+    `tuning:` or `--tuning`. Ctrl-C ends the search with the best so far.
 
     \b
     Example
       pilotfish tune pid --trials 200 --seed 1 -o pid.yaml
       pilotfish-coordinator --config data/config/line.yaml --law pid --tuning pid.yaml
     """
-    from pilotfish.tuning import tune as search
+    from pilotfish.tuning import searching
 
+    tuned: Tuned | None = None
     with friendly_errors():
-        if out:
-            check_writable(out)
-        with progress(f"tuning {law.value}") as step:
-            tuned = search(law.value, trials, seed, step)
-        console.print(f"cost {tuned.cost_before:.3f} -> {tuned.cost:.3f}")
-        for key, value in sorted(tuned.parameters.items()):
-            console.print(f"  {key}: {value:.6g}")
-        if out:
-            tell(f"wrote {tuned.write(out)}")
+        target = output_file(out) if out else None
+        try:
+            with progress(f"tuning {law.value}") as step:
+                for tuned in searching(law.value, trials, seed):
+                    step(tuned.trials, trials)
+        except KeyboardInterrupt:
+            done = tuned.trials if tuned else 0
+            warn(f"stopped after {done} of {trials} trials{'' if done else '; nothing is written'}")
+            if tuned:
+                _print(tuned, target, best_of=f"the best of {done}")
+            raise
+        assert tuned is not None, "one trial at least"
+        _print(tuned, target)
+
+
+def _print(tuned: Tuned, target: Output | None, best_of: str = "") -> None:
+    console.print(f"cost {tuned.cost_before:.3f} -> {tuned.cost:.3f}")
+    for key, value in sorted(tuned.parameters.items()):
+        console.print(f"  {key}: {value:.6g}")
+    if target:
+        tuned.write(target.file)
+        target.wrote(best_of)
+    elif best_of:
+        tell("nothing is written: there is no --out")

@@ -29,18 +29,26 @@ def view(
         Path | None,
         typer.Option(
             "--config",
+            exists=True,
             dir_okay=False,
-            help="The coordinator's configuration: its calibration draws the axes, its limits and ids are named.",
+            help="The coordinator's configuration: its calibration draws the axes, its limits and ids are named. "
+            "Default: that of the coordinator if it runs on this computer already.",
         ),
     ] = None,
     fuzzy: Annotated[
         Path | None,
         typer.Option(
-            "--fuzzy", dir_okay=False, help="Fuzzy controller. Default: the configuration's, else as shipped."
+            "--fuzzy",
+            exists=True,
+            dir_okay=False,
+            help="Fuzzy controller. Default: the configuration's, else as shipped.",
         ),
     ] = None,
     key: Annotated[
-        Path | None, typer.Option("--key", dir_okay=False, help="The coordinator's key_file, for resume and setpoints.")
+        Path | None,
+        typer.Option(
+            "--key", exists=True, dir_okay=False, help="The coordinator's key_file, for resume and setpoints."
+        ),
     ] = None,
     camera: Annotated[
         str | None,
@@ -59,7 +67,9 @@ def view(
     ] = None,
     camera_file: Annotated[
         Path | None,
-        typer.Option("--camera-file", dir_okay=False, help="The camera's calibration (OpenCV YAML, ViSP XML)."),
+        typer.Option(
+            "--camera-file", exists=True, dir_okay=False, help="The camera's calibration (OpenCV YAML, ViSP XML)."
+        ),
     ] = None,
     fov_deg: Annotated[
         float | None,
@@ -146,7 +156,7 @@ def _bus_hub(
     from pilotfish.view.commands import Commander
     from pilotfish.view.hub import BusHub
     from pilotfish.view.listener import resolve_url
-    from pilotfish.view.setup import default_setup, load_setup
+    from pilotfish.view.setup import default_setup, load_setup, running_setups
 
     setup = default_setup(fuzzy) if config is None else load_setup(config, fuzzy)
     if key is not None:
@@ -160,7 +170,10 @@ def _bus_hub(
         except ConfigError as error:
             raise typer.BadParameter(str(error)) from None
     url = resolve_url(lcm_url)
-    return BusHub(url, robot, setup), setup, Commander(url, key)
+    setups = {} if config is not None else running_setups(url, fuzzy)
+    # The page has one law: the named robot's, or that of the only one there is.
+    law = setups.get(robot.lower()) if robot else next(iter(setups.values())) if len(setups) == 1 else None
+    return BusHub(url, robot, setup, setups), law or setup, Commander(url, key)
 
 
 def _camera_hub(

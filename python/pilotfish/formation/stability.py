@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from pilotfish.deaf_children import deaf_children
 from pilotfish.errors import ConfigError
 from pilotfish.formation.chain import chain_of, drive_chain
 from pilotfish.formation.relay import Network
@@ -185,13 +186,17 @@ def _answers(tasks, trial: Trial, jobs: int | None, on_progress: OnProgress | No
     # The longest first; "spawn", because threads of the parent do not survive a fork.
     ordered = sorted(tasks, key=lambda task: task[2] or 1.0)
     with ProcessPoolExecutor(min(count, len(tasks)), mp_context=get_context("spawn")) as pool:
-        futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}
+        with deaf_children():
+            futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}
         try:
             for done, future in enumerate(as_completed(futures), 1):
                 yield futures[future], future.result()
                 report(done, len(tasks))
         except BaseException:
-            pool.shutdown(cancel_futures=True)
+            workers = list(pool._processes.values())  # pool.terminate_workers() from Python 3.14 on
+            pool.shutdown(wait=False, cancel_futures=True)
+            for worker in workers:  # what they are in the middle of would take seconds, and nobody wants it
+                worker.terminate()
             raise
 
 

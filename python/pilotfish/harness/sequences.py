@@ -22,6 +22,7 @@ from pilotfish.harness.frame_report import FrameReport, parse_reports
 from pilotfish.harness.in_process import FrameEvent, run_in_process
 from pilotfish.harness.run import OnProgress
 from pilotfish.harness.scenario import Scenario
+from pilotfish.whole_files import written_whole
 
 FRAMES_FILE = "frames.csv"
 TRUTH_COLUMNS = ("true_distance_m", "true_bearing_rad", "true_heading_rad")
@@ -40,18 +41,18 @@ def render_sequence(
 ) -> int:
     """Writes what ``robot``'s camera sees while its coordinator drives it; the number of pictures written."""
     name = scenario.robot(robot).name
-    out.mkdir(parents=True, exist_ok=True)
     rows: list[tuple[str, int, float, float, float]] = []
 
     def write(event: FrameEvent) -> None:
         if event.robot == name and event.frame is not None:
             file = f"{event.index:06d}.png"
-            Image.fromarray(event.frame.image).save(out / file)
+            with written_whole(out / file) as partial:
+                Image.fromarray(event.frame.image).save(partial, "PNG")
             rows.append((file, event.frame.utime, *event.world.true_relative_pose(name)))
 
     duration_s = frames / scenario.frame_rate_hz if frames else scenario.duration_s
     run_in_process(scenario, profile=profile, duration_s=duration_s, on_progress=on_progress, on_frame=write)
-    with (out / FRAMES_FILE).open("w", newline="") as stream:
+    with written_whole(out / FRAMES_FILE) as partial, partial.open("w", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["file", "utime_us", *TRUTH_COLUMNS])
         writer.writerows(rows)

@@ -3,6 +3,9 @@ command.
 
 They come in about this order, from different threads, and any of them may be missing. A row is complete when all have
 come that a frame has, or when eight newer frames have begun.
+
+Status, reason and command are those that left. On a busy computer they are not always those that the core had decided,
+which only a black box knows: a measurement that has become too old meanwhile is answered with zeros.
 """
 
 from __future__ import annotations
@@ -39,7 +42,7 @@ class FrameRows:
     def __init__(self, clock: RunClock) -> None:
         self._clock = clock
         self._open: deque[FrameRow] = deque()
-        self._answers: OrderedDict[int, tuple[float, float]] = OrderedDict()
+        self._answers: OrderedDict[int, Any] = OrderedDict()  # by the frame's stamp
         self._simulated = False
         self._last_utime: int | None = None  # of the last finished row
 
@@ -80,9 +83,9 @@ class FrameRows:
             return
         row = self._row(message.utime, "STATUS", log_utime)
         values = row.values
-        for name in ("status", "reason"):
-            values.setdefault(name, getattr(message, name))
         values |= {
+            "status": message.status,  # as it was answered: the core's own may have come too late to be sent
+            "reason": message.reason,
             "setpoint_distance_m": message.setpoint_distance_m,
             "setpoint_bearing_rad": message.setpoint_bearing_rad,
             "setpoint_run": bool(message.setpoint_run),
@@ -107,10 +110,11 @@ class FrameRows:
                 del values[name]  # zeros that mean nothing
 
     def command(self, message: Any) -> None:
-        """The first command that names a frame answers it; what is sent between frames repeats its name."""
+        """The first command that names a frame answers it; what is sent between frames repeats its stamp, and says that
+        no frame came."""
         self._simulated = self._simulated or bool(getattr(message, "simulated", False))
-        if message.utime not in self._answers:
-            self._answers[message.utime] = (message.linear_mps, message.angular_radps)
+        if message.utime not in self._answers and message.reason != NO_FRAME:
+            self._answers[message.utime] = message
             while len(self._answers) > _ANSWERS_KEPT:
                 self._answers.popitem(last=False)
 
@@ -146,8 +150,10 @@ class FrameRows:
         values = row.values
         self._last_utime = values["utime_us"]
         answer = self._answers.get(values["utime_us"])
-        if "STEP" not in row.heard and answer is not None:
-            values["command_linear_mps"], values["command_angular_radps"] = answer
+        if answer is not None:  # what left, also where the core had decided otherwise: a busy computer sends a zero
+            values |= {"command_linear_mps": answer.linear_mps, "command_angular_radps": answer.angular_radps}
+            if "STATUS" not in row.heard:
+                values |= {"status": answer.status, "reason": answer.reason}
         if "error_m" not in values and "distance_m" in values and "setpoint_distance_m" in values:
             values["error_m"] = values["setpoint_distance_m"] - values["distance_m"]
         values["tag_count"] = len(row.tags)

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
-from pilotfish.black_box.log import Damage
+from pilotfish.logs.losses import Loss
 
 STAGE_LIMITS_MS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)  # of stage_t
 
@@ -58,8 +58,13 @@ class RunNotes:
     robots: dict[str, RobotNotes] = field(default_factory=dict)
     events: Counter[str] = field(default_factory=Counter)  # by channel
     cameras: Counter[str] = field(default_factory=Counter)  # events with images, by whose camera it is
-    damage: list[Damage] = field(default_factory=list)
+    losses: list[Loss] = field(default_factory=list)  # damaged places, in the order of the files
     unreadable: int = 0  # events on our channels that are no messages of these types
+
+    @property
+    def loss_texts(self) -> list[str]:
+        """What is lost, for people."""
+        return [loss.text(self.start_utime) for loss in self.losses]
 
     def of(self, robot: str) -> RobotNotes:
         """Made when it is asked for."""

@@ -12,13 +12,18 @@ from pilotfish.logs.run import RobotRun, Run, RunEvent
 from pilotfish.logs.sources import OnProgress
 
 
-def read_run(path: str | Path, robot: str | None = None, on_progress: OnProgress | None = None) -> Run:
+def read_run(
+    path: str | Path,
+    robot: str | None = None,
+    on_progress: OnProgress | None = None,
+    notes: RunNotes | None = None,
+) -> Run:
     """A black box (a file, or the folder of its ring) or a file of lcm-logger, as far as it is not damaged.
 
     Some 100 MB an hour of 30 frames a second; images are not kept (see images.images_in). ``on_progress`` gets the
-    bytes read and the bytes in all. MissingFileError, RecordingError.
+    bytes read and the bytes in all, ``notes`` is filled. MissingFileError, RecordingError.
     """
-    notes = RunNotes()
+    notes = RunNotes() if notes is None else notes
     growing: dict[str, dict[str, GrowingTable]] = {}
     for row in rows_in(path, robot, notes, on_progress):
         if row.robot not in growing:
@@ -31,8 +36,9 @@ def read_run(path: str | Path, robot: str | None = None, on_progress: OnProgress
         robots={one.name: one for one in robots},
         channels=dict(notes.events),
         cameras=dict(notes.cameras),
-        damage=tuple(notes.damage),
+        damage=tuple(loss.damage for loss in notes.losses),
         unreadable=notes.unreadable,
+        losses=tuple(notes.loss_texts),
     )
 
 

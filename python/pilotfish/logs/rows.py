@@ -10,6 +10,7 @@ from typing import Any
 
 from pilotfish.black_box.log import Damage, Event
 from pilotfish.errors import RecordingError
+from pilotfish.logs.losses import Loss
 from pilotfish.logs.messages import Message, decode, is_unreadable, kind_of, robot_of
 from pilotfish.logs.notes import RunNotes
 from pilotfish.logs.robot_sift import RobotSift
@@ -69,15 +70,18 @@ class _Sifting:
         self._sifts: dict[str, RobotSift] = {}
 
     def items(self, events: Iterator[Event | Damage]) -> Iterator[Row | Message | Event]:
-        utime = self._notes.start_utime
+        utime, last_utime = self._notes.start_utime, None
+        losses = self._notes.losses
         for event in events:
             if isinstance(event, Damage):
-                self._notes.damage.append(event)
+                losses.append(Loss(event, last_utime))
                 text = f"{event.size} bytes of {event.file.name} are no events, from byte {event.offset} on"
                 for name, sift in self._sifts.items():
                     yield from _named(name, sift.note(utime, "damage", text))
                 continue
-            utime = event.utime
+            utime = last_utime = event.utime
+            if losses and losses[-1].before_utime is None:
+                losses[-1].before_utime = utime
             item = self._item(event)
             if item is None:
                 continue

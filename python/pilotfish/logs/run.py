@@ -81,6 +81,7 @@ class Run:
     cameras: Mapping[str, int]  # events with images, by whose camera it is
     damage: tuple[Damage, ...]
     unreadable: int
+    losses: tuple[str, ...] = ()  # what the damage has cost, for people
 
     @property
     def coordinators(self) -> list[RobotRun]:

@@ -1,4 +1,9 @@
-"""What a recorded run amounts to, from what the coordinator itself measured: no truth is recorded on a robot."""
+"""What a recorded run amounts to, from what the coordinator itself measured: no truth is recorded on a robot.
+
+"After the approach" is what pilotfish.metrics calls the steady window W: the last quarter of the part that begins with
+the last setpoint, start or resume, of which only frames count that were followed. The approach is what comes before
+the distance has settled: from wherever the robot was put, so its error says nothing about the law.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +28,15 @@ class Summary:
     frame_rate_hz: float  # of the frames in it
     measured_share: float  # of the frames: the leader was measured
     followed_share: float  # of the frames: status tracking
-    rms_distance_error_mm: float  # while following
-    p95_distance_error_mm: float  # of the magnitude, while following
-    rms_bearing_error_deg: float
-    p95_bearing_error_deg: float
-    steady_distance_error_mm: float  # mean of the last quarter behind the last setpoint
-    settling_s: float  # from the last setpoint until within 50 mm of that, for good
-    rms_jerk_mps3: float  # of the commanded speed
+    rms_distance_error_mm: float  # after the approach
+    p95_distance_error_mm: float  # of the magnitude, after the approach
+    rms_bearing_error_deg: float  # after the approach
+    p95_bearing_error_deg: float  # of the magnitude, after the approach
+    steady_distance_error_mm: float  # mean, after the approach
+    approach_from_mm: float  # the distance error with which the approach began
+    settling_s: float  # of the approach: until within 50 mm of the steady-state error, for good; NaN: not settled
+    rms_whole_distance_error_mm: float  # while following, the approach included
+    rms_jerk_mps3: float  # of the commanded speed, from start to end
     latency_p50_ms: float  # from a frame's arrival to its report
     latency_p99_ms: float
     latency_max_ms: float
@@ -44,13 +51,15 @@ TITLES = {
     "frame_rate_hz": ("frame rate", "Hz", 2),
     "measured_share": ("share of frames with the leader measured", "%", 2),
     "followed_share": ("share of frames followed (tracking)", "%", 2),
-    "rms_distance_error_mm": ("RMS distance error while following", "mm", 2),
-    "p95_distance_error_mm": ("95th percentile of |distance error| while following", "mm", 2),
-    "rms_bearing_error_deg": ("RMS bearing error while following", "°", 3),
-    "p95_bearing_error_deg": ("95th percentile of |bearing error| while following", "°", 3),
-    "steady_distance_error_mm": ("steady-state distance error behind the last setpoint", "mm", 2),
-    "settling_s": ("settling to that ± 50 mm", "s", 2),
-    "rms_jerk_mps3": ("RMS jerk of the commanded speed", "m/s³", 2),
+    "rms_distance_error_mm": ("RMS distance error after the approach", "mm", 2),
+    "p95_distance_error_mm": ("95th percentile of |distance error| after the approach", "mm", 2),
+    "rms_bearing_error_deg": ("RMS bearing error after the approach", "°", 3),
+    "p95_bearing_error_deg": ("95th percentile of |bearing error| after the approach", "°", 3),
+    "steady_distance_error_mm": ("steady-state distance error (its mean after the approach)", "mm", 2),
+    "approach_from_mm": ("approach: distance error at its start (negative: too far)", "mm", 0),
+    "settling_s": ("approach: settling to the steady-state error ± 50 mm", "s", 2),
+    "rms_whole_distance_error_mm": ("RMS distance error while following, approach included", "mm", 2),
+    "rms_jerk_mps3": ("RMS jerk of the commanded speed, from start to end", "m/s³", 2),
     "latency_p50_ms": ("latency, arrival to report: median", "ms", 2),
     "latency_p99_ms": ("latency: 99th percentile", "ms", 2),
     "latency_max_ms": ("latency: longest", "ms", 2),
@@ -65,9 +74,10 @@ def summarize(run: RobotRun) -> Summary:
     frames = run.frames
     time_s = frames["t_s"]
     following = frames.words("status") == "tracking"
-    distance_mm = 1e3 * frames["error_m"][following]
-    bearing_rad = wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])[following]
-    steady_mm, settled_s = _steady(run)
+    bearing_rad = wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])
+    last, steady = _last_stretch(run)
+    distance_mm, bearing_rad = 1e3 * frames["error_m"][steady], bearing_rad[steady]
+    settled_s = settling_time_s(time_s[last], frames["error_m"][last]) if last.size else None
     latency_ms, duration_s = 1e3 * frames["latency_s"], float(time_s[-1] - time_s[0])
     return Summary(
         duration_s=duration_s,
@@ -79,8 +89,10 @@ def summarize(run: RobotRun) -> Summary:
         p95_distance_error_mm=_percentile(np.abs(distance_mm), 95),
         rms_bearing_error_deg=float(np.degrees(_rms(bearing_rad))),
         p95_bearing_error_deg=float(np.degrees(_percentile(np.abs(bearing_rad), 95))),
-        steady_distance_error_mm=steady_mm,
-        settling_s=settled_s,
+        steady_distance_error_mm=float(distance_mm.mean()) if distance_mm.size else np.nan,
+        approach_from_mm=1e3 * float(frames["error_m"][last[0]]) if last.size else np.nan,
+        settling_s=np.nan if settled_s is None else settled_s,
+        rms_whole_distance_error_mm=_rms(1e3 * frames["error_m"][following]),
         rms_jerk_mps3=rms_jerk_mps3(time_s, frames["command_linear_mps"]),
         latency_p50_ms=_percentile(latency_ms, 50),
         latency_p99_ms=_percentile(latency_ms, 99),
@@ -111,17 +123,14 @@ def rms_jerk_mps3(time_s: NDArray[np.float64], speed_mps: NDArray[np.float64]) -
     return _rms(np.diff(speed_mps, 2)[near[1:] & near[:-1]] / period_s**2) if period_s > 0 else np.nan
 
 
-def _steady(run: RobotRun) -> tuple[float, float]:
-    """(steady-state error [mm], settling time [s]) since the last setpoint or resume; NaN if there is none."""
+def _last_stretch(run: RobotRun) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Numbers of the frames that were followed since the last setpoint, start or resume, and of those of them that are
+    in the steady window; empty if there are none."""
     since_s = max((event.t_s for event in run.events if event.kind in ("setpoint", "resume", "start")), default=0.0)
-    time_s, error_m = run.frames["t_s"], run.frames["error_m"]
-    chosen = (time_s >= since_s) & np.isfinite(error_m) & (run.frames.words("status") == "tracking")
-    time_s, error_m = time_s[chosen], error_m[chosen]
-    if len(time_s) < 3:
-        return np.nan, np.nan
-    settled_s = settling_time_s(time_s, error_m)
-    steady_mm = 1e3 * float(error_m[steady_window(time_s)].mean())
-    return steady_mm, np.nan if settled_s is None else settled_s
+    frames = run.frames
+    followed = np.isfinite(frames["error_m"]) & (frames.words("status") == "tracking")
+    last = np.flatnonzero((frames["t_s"] >= since_s) & followed)
+    return last, last[steady_window(frames["t_s"][last])] if last.size else last
 
 
 def _sum_over_sessions(counts: NDArray[np.int64], sessions: NDArray[np.int64]) -> int:

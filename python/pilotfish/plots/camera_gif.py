@@ -14,6 +14,7 @@ from PIL import Image, ImageColor, ImageDraw, ImageFont
 from pilotfish.camera_view import CameraView
 from pilotfish.number_text import signed
 from pilotfish.plots.style import LIGHT, Theme
+from pilotfish.whole_files import written_whole
 
 MAX_BYTES = 4_000_000
 WIDTH_PX = 480
@@ -35,8 +36,8 @@ def draw_camera_gif(views: Sequence[CameraView], file: str | Path, title: str = 
         if len(data) <= MAX_BYTES:
             break
     file = Path(file)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_bytes(data)
+    with written_whole(file) as partial:
+        partial.write_bytes(data)
     return file
 
 

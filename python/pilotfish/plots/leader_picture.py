@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -20,6 +22,8 @@ from pilotfish.printing.tag_art import tag_art
 _BLIND, _ONE_PLANE, _SURE = VERMILLION, ORANGE, GREEN
 _AXES = ((BLUE, "x forward", (1, 0, 0)), (GREEN, "y left", (0, 1, 0)), (VERMILLION, "z up", (0, 0, 1)))
 _ELEVATION_DEG, _AZIMUTH_DEG = 24.0, 150.0
+_TICKS = 5  # intervals of an axis in space; with more the numbers of a short one overlap
+_HALO = [withStroke(linewidth=2.5, foreground="white")]
 _WRAP = 150  # characters in a line of the remarks
 
 
@@ -68,25 +72,22 @@ def _draw_in_space(axes: Axes3D, body: LeaderBody) -> None:
         axes.plot(*sheet.corners_m()[[0, 1, 2, 3, 0]].T, color="#888888", linewidth=0.6, zorder=3)
         looks = sheet.looks * 0.5 * extent
         axes.quiver(*sheet.centre_m, *looks, color=BLUE, linewidth=1.2, arrow_length_ratio=0.15, zorder=10)
-        axes.text(
-            *(sheet.centre_m + 1.15 * looks),
-            str(tag.id),
-            color=BLUE,
-            weight="bold",
-            ha="center",
-            va="center",
-            zorder=11,
-        )
+        at, how = sheet.centre_m + 1.15 * looks, {"ha": "center", "va": "center", "path_effects": _HALO}
+        axes.text(*at, str(tag.id), color=BLUE, weight="bold", zorder=11, **how)
     # One collection for all: matplotlib sorts by depth within a collection only.
     axes.add_collection3d(Poly3DCollection(cells, facecolors=colours, edgecolors=colours, linewidths=0.3, zorder=2))
     for colour, name, direction in _AXES:
         end = 0.5 * extent * np.array(direction)
         axes.quiver(0, 0, 0, *end, color=colour, linewidth=1.5, arrow_length_ratio=0.15, zorder=1)
-        axes.text(*(1.2 * end), name, color=colour, fontsize=8, zorder=1)
+        axes.plot([], [], [], color=colour, linewidth=1.5, label=name)
+    # Not at the arrows' ends, where paper hides names, and numbers of tags and other arrows meet them.
+    axes.legend(loc="upper left", fontsize=8, handlelength=1.2)
     highest = max(1.2 * extent, *(sheet_of(tag, body.family).corners_m()[:, 2].max() for tag in body.tags))
     axes.set_box_aspect((1, 1, highest / (2 * extent)))
     axes.set(xlim=(-extent, extent), ylim=(-extent, extent), zlim=(0, highest))
     axes.set(xlabel="forward [m]", ylabel="left [m]", zlabel="up [m]")
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_major_locator(MaxNLocator(_TICKS, steps=[1, 2, 5, 10]))
     axes.set_title("As it hangs (seen from its left, behind and above)")
     axes.view_init(elev=_ELEVATION_DEG, azim=_AZIMUTH_DEG)
 

@@ -14,6 +14,7 @@ from urllib.parse import quote
 from pilotfish.plots.gallery import Picture
 from pilotfish.plots.laws import law_colour
 from pilotfish.plots.style import LIGHT, Theme
+from pilotfish.whole_files import write_whole
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,8 @@ def write_page(
     contents = "".join(f'<a href="#{_anchor(section.title)}">{escape(section.title)}</a>' for section in sections)
     values = {"title": escape(title), "intro": escape(intro), "contents": contents, "legend": _legend(theme)}
     colours = {"background": theme.ground, "ink": theme.ink, "guide": theme.guide, "grid": theme.grid}
-    file.parent.mkdir(parents=True, exist_ok=True)
     page = _PAGE.substitute(values, body="".join(body) + data, scheme=theme.name, link=theme.anticipate, **colours)
-    file.write_text(page, encoding="utf-8")
+    write_whole(file, page)
     return file
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from itertools import cycle
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pilotfish.logs.run import RobotRun
+from pilotfish.plots.run_lines import run_lines
 from pilotfish.plots.run_overview import Runs
 from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.recording import FloatArray
@@ -22,8 +21,8 @@ def draw_relative_view(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Fig
         figure = Figure(figsize=(6.4, 6.4))
         axes = figure.subplots()
         axes.plot(0, 0, marker=(3, 0, 0), markersize=14, color=theme.ink, linestyle="none", label="the robot")
-        for (name, run), colour in zip(runs.items(), cycle(theme.lines), strict=False):
-            _draw_leader(axes, run, colour, name)
+        for (name, run), line in zip(runs.items(), run_lines(runs, theme).values(), strict=True):
+            _draw_leader(axes, run, line, f"the leader, {name}" if len(runs) > 1 else "the leader")
         axes.plot([], [], "o", color=theme.ink, markerfacecolor="none", label="start")
         axes.plot([], [], "s", color=theme.ink, label="end, and its heading")
         axes.plot([], [], "+", color=theme.ink, markersize=10, label="setpoint")
@@ -36,11 +35,11 @@ def draw_relative_view(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Fig
     return figure
 
 
-def _draw_leader(axes: Axes, run: RobotRun, colour: str, name: str) -> None:
-    frames = run.frames
+def _draw_leader(axes: Axes, run: RobotRun, line: dict[str, object], label: str) -> None:
+    frames, colour = run.frames, str(line["color"])
     right_m, forward_m = _from_above(frames["distance_m"], frames["bearing_rad"])
     step = max(1, len(right_m) // 5000)
-    axes.plot(right_m[::step], forward_m[::step], color=colour, linewidth=1.2, label=f"the leader ({name})")
+    axes.plot(right_m[::step], forward_m[::step], **line, label=label)
     seen = np.flatnonzero(np.isfinite(right_m))
     setpoints = np.unique(np.stack([frames["setpoint_distance_m"], frames["setpoint_bearing_rad"]], 1), axis=0)
     setpoints = setpoints[np.isfinite(setpoints).all(axis=1)]

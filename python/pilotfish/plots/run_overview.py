@@ -4,7 +4,6 @@ doing. Several runs in the same axes, from their beginnings."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,17 +11,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from pilotfish.logs.run import RobotRun, Table
-from pilotfish.plots.status_colours import STATUS_COLOURS, status_colour
+from pilotfish.plots.run_lines import run_lines
+from pilotfish.plots.status_band import draw_status_band, status_stretches
+from pilotfish.plots.status_colours import STATUS_COLOURS
 from pilotfish.plots.style import LIGHT, Theme, style
-from pilotfish.plots.thinned import BREAK_S, thinned
+from pilotfish.plots.thinned import thinned
+from pilotfish.plots.traces import MIN_SHOWN_MM, RMS_WINDOW_S, logarithmic_mm, running_rms
 from pilotfish.recording import FloatArray, wrap_angle
 
 Runs = Mapping[str, RobotRun]  # by what the legend says
+_SEEN_S = 1e-3  # a status that ends within so much of the first frame is one from before it
 _PANELS: tuple[tuple[str, Callable[[Table], FloatArray]], ...] = (
     ("distance error\ne = $d_p$ - d [mm]", lambda frames: 1e3 * frames["error_m"]),
+    (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda frames: rms_error_mm(frames)),
     ("bearing error\nθ - $θ_{pd}$ [°]", lambda frames: np.degrees(bearing_error_rad(frames))),
-    ("command\n[m/s]", lambda frames: frames["command_linear_mps"]),
-    ("command\n[°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
+    ("command:\nspeed [m/s]", lambda frames: frames["command_linear_mps"]),
+    ("command:\nturn rate [°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
     ("latency [ms]", lambda frames: 1e3 * frames["latency_s"]),
 )
 
@@ -32,25 +36,36 @@ def bearing_error_rad(frames: Table) -> FloatArray:
     return wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])
 
 
+def rms_error_mm(frames: Table) -> FloatArray:
+    """RMS of e within RMS_WINDOW_S around each frame [mm], shape (N,), not below MIN_SHOWN_MM: for a logarithmic axis,
+    where the error behind the approach is read beside that of its beginning."""
+    return np.maximum(1e3 * running_rms(frames["t_s"], frames["error_m"], RMS_WINDOW_S), MIN_SHOWN_MM)
+
+
 def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figure:
     """Panels one below the other, the band of the status on top. Every run has at least one frame."""
     with style(theme):
-        figure = Figure(figsize=(9.0, 9.2 + 0.25 * len(runs)))
+        figure = Figure(figsize=(9.0, 10.6 + 0.25 * len(runs)))
         band, *panels = figure.subplots(
-            1 + len(_PANELS), 1, sharex=True, height_ratios=(0.25 + 0.25 * len(runs), 3, 2, 2, 2, 2)
+            1 + len(_PANELS), 1, sharex=True, height_ratios=(0.25 + 0.25 * len(runs), 3, 2, 2, 2, 2, 2)
         )
-        _draw_band(band, runs, theme)
-        for axes, (label, values) in zip(panels, _PANELS, strict=True):
-            axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
-            for (name, run), colour in zip(runs.items(), cycle(theme.lines), strict=False):
-                axes.plot(*thinned(_times(run, runs), values(run.frames)), color=colour, linewidth=1.2, label=name)
-            axes.set_ylabel(label)
-        panels[-1].set_ylim(bottom=0.0)
-        panels[-1].set_xlabel("time [s]")
         times = [_times(run, runs) for run in runs.values() if len(run.frames)]
         begin_s, end_s = min(t[0] for t in times), max(t[-1] for t in times)
-        panels[-1].set_xlim(begin_s, max(end_s, begin_s + 1e-3))
-        handles = [Patch(color=colour, label=status) for status, colour in _shown(runs).items()]
+        end_s = max(end_s, begin_s + 1e-3)
+        _draw_band(band, runs, (begin_s, end_s))
+        lines = run_lines(runs, theme)
+        for axes, (label, values) in zip(panels, _PANELS, strict=True):
+            if "RMS" not in label:
+                axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
+            for name, run in runs.items():
+                axes.plot(*thinned(_times(run, runs), values(run.frames)), **lines[name], label=name)
+            axes.set_ylabel(label)
+        panels[1].set_ylim(*_limits_mm([rms_error_mm(run.frames) for run in runs.values()]))
+        logarithmic_mm(panels[1])
+        panels[-1].set_ylim(bottom=0.0)
+        panels[-1].set_xlabel(f"time since {'the first picture' if len(runs) > 1 else 'the recording began'} [s]")
+        panels[-1].set_xlim(begin_s, end_s)
+        handles = [Patch(color=colour, label=status) for status, colour in _shown(runs, end_s).items()]
         if len(runs) > 1:
             handles += panels[0].get_legend_handles_labels()[0]
         figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 5), fontsize=9)
@@ -58,6 +73,13 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         if title:
             band.set_title(title)
     return figure
+
+
+def _limits_mm(curves: list[FloatArray]) -> tuple[float, float]:
+    """Of a logarithmic axis, a little beyond the values; an axis all the same where nothing was measured."""
+    known = np.concatenate(curves)
+    known = known[np.isfinite(known)]
+    return (float(known.min()) / 1.5, float(known.max()) * 1.5) if known.size else (1.0, 1000.0)
 
 
 def _origin_s(run: RobotRun, runs: Runs) -> float:
@@ -69,30 +91,11 @@ def _times(run: RobotRun, runs: Runs) -> FloatArray:
     return run.frames["t_s"] - _origin_s(run, runs)
 
 
-def status_stretches(run: RobotRun) -> list[tuple[float, float, str]]:
-    """(from, to, status): while the same status was sent. From commands, which are sent also when no frame comes."""
-    table = run.commands if len(run.commands) else run.frames
-    time_s, codes, words = table["t_s"], table["status"], table.words("status")
-    if not len(time_s):
-        return []
-    breaks = (np.diff(codes) != 0) | (np.diff(time_s) > BREAK_S)
-    firsts = np.concatenate([[0], np.flatnonzero(breaks) + 1])
-    lasts = np.append(firsts[1:], len(time_s)) - 1
-    stretches = []
-    for first, last in zip(firsts, lasts, strict=True):
-        after = min(last + 1, len(time_s) - 1)
-        end_s = time_s[after] if time_s[after] - time_s[last] <= BREAK_S else time_s[last]
-        stretches.append((float(time_s[first]), float(end_s), str(words[first])))
-    return stretches
-
-
-def _draw_band(axes: Axes, runs: Runs, theme: Theme) -> None:
+def _draw_band(axes: Axes, runs: Runs, span_s: tuple[float, float]) -> None:
     for row, run in enumerate(runs.values()):
-        by_status: dict[str, list[tuple[float, float]]] = {}
-        for begin_s, end_s, status in status_stretches(run):
-            by_status.setdefault(status, []).append((begin_s - _origin_s(run, runs), end_s - begin_s))
-        for status, bars in by_status.items():
-            axes.broken_barh(bars, (-row - 0.4, 0.8), color=status_colour(status), linewidth=0)
+        origin_s = _origin_s(run, runs)
+        stretches = [(from_s - origin_s, to_s - origin_s, status) for from_s, to_s, status in status_stretches(run)]
+        draw_status_band(axes, stretches, -row, 0.8, span_s)
     names = list(runs) if len(runs) > 1 else ["status"]
     axes.set_yticks([-row for row in range(len(runs))], names)
     axes.set_ylim(-len(runs) + 0.4, 0.6)
@@ -101,7 +104,14 @@ def _draw_band(axes: Axes, runs: Runs, theme: Theme) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _shown(runs: Runs) -> dict[str, str]:
-    """The statuses that occur, in the order of the protocol."""
-    there = {status for run in runs.values() for _, _, status in status_stretches(run)}
+def _shown(runs: Runs, end_s: float) -> dict[str, str]:
+    """The statuses that occur between the first frame and the last, in the order of the protocol."""
+    there = set()
+    for run in runs.values():
+        begin_s = float(run.frames["t_s"][0])
+        there |= {
+            status
+            for from_s, to_s, status in status_stretches(run)
+            if to_s > begin_s + _SEEN_S and from_s - _origin_s(run, runs) < end_s
+        }
     return {status: colour for status, colour in STATUS_COLOURS.items() if status in there}

@@ -27,8 +27,11 @@ from io import BytesIO
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
+
+from pilotfish.whole_files import written_whole
 
 # Okabe and Ito's palette.
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
@@ -73,8 +76,8 @@ class Theme:
     def values(self) -> Colormap:
         """Colours of normalised values, -1 to 1 as 0 to 1."""
         low, high = self.value_range
-        cividis = mpl.colormaps["cividis"]
-        return ListedColormap([cividis(low + (high - low) * step / 255) for step in range(256)], f"values {self.name}")
+        colours = mpl.colormaps["cividis"](low + (high - low) * np.arange(256) / 255)
+        return ListedColormap(colours, f"values {self.name}")
 
     @property
     def settings(self) -> dict[str, object]:
@@ -150,9 +153,9 @@ def style(theme: Theme = LIGHT) -> Iterator[None]:
 def save(figure: Figure, file: str | Path) -> Path:
     """Writes the figure (the suffix says the format) and returns where."""
     file = Path(file)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(_SETTINGS):
-        figure.savefig(file, dpi=DPI, metadata=_UNDATED.get(file.suffix[1:].lower()))
+    kind = file.suffix[1:].lower()
+    with written_whole(file) as partial, mpl.rc_context(_SETTINGS):
+        figure.savefig(partial, format=kind, dpi=DPI, metadata=_UNDATED.get(kind))
     return file
 
 

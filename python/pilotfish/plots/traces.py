@@ -32,11 +32,16 @@ def draw_rms_on(axes: Axes, runs: Runs, theme: Theme = LIGHT) -> None:
         return np.maximum(1000.0 * running_rms(run.time_s, run.distance_error_m, RMS_WINDOW_S), MIN_SHOWN_MM)
 
     _draw(axes, runs, theme, rms_mm)
+    logarithmic_mm(axes)
+    axes.set_ylabel(f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s")
+
+
+def logarithmic_mm(axes: Axes) -> None:
+    """A logarithmic axis of y with plain numbers: 0.01, 0.1, 1, 10."""
     axes.set_yscale("log")
     axes.yaxis.set_major_locator(LogLocator(numticks=9))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.set_ylabel(f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s")
 
 
 def draw_bearings_on(axes: Axes, runs: Runs, theme: Theme = LIGHT) -> None:
@@ -58,10 +63,20 @@ def draw_turn_rates_on(axes: Axes, runs: Runs, theme: Theme = LIGHT) -> None:
 
 
 def running_rms(time_s: FloatArray, values: FloatArray, window_s: float) -> FloatArray:
-    """sqrt(mean(x^2)) over the samples within window_s / 2 of each, shape (N,); at the ends over those there are."""
+    """sqrt(mean(x^2)) over the samples within window_s / 2 of each, shape (N,); at the ends over those there are. NaN
+    where the value is, and values that are NaN count nothing."""
+    if not len(values):
+        return np.zeros(0)
     first = np.searchsorted(time_s, time_s - 0.5 * window_s - 1e-9)
     last = np.searchsorted(time_s, time_s + 0.5 * window_s + 1e-9)
-    return np.sqrt([np.mean(np.square(values[a:b])) for a, b in zip(first, last, strict=True)])
+    known = np.isfinite(values)
+    bounds = np.stack([first, last], axis=1).ravel()  # sums of [first, last), one after the other
+
+    def sums(of: FloatArray) -> FloatArray:
+        return np.add.reduceat(np.append(of, 0.0), bounds)[::2]
+
+    squares, counts = sums(np.where(known, np.square(values), 0.0)), sums(known.astype(float))
+    return np.where(known, np.sqrt(squares / np.maximum(counts, 1.0)), np.nan)
 
 
 def _draw(

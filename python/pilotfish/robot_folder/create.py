@@ -6,6 +6,8 @@ import getpass
 import grp
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from pilotfish.files import read_text
 from pilotfish.harness.executables import BASE, COORDINATOR, find_executable
 from pilotfish.robot_folder import configs, units
 from pilotfish.robot_folder.readme import readme
+from pilotfish.whole_files import folder_for
 
 
 @dataclass(frozen=True)
@@ -63,8 +66,11 @@ def create(name: str, folder: Path, options: Options = Options()) -> list[Path]:
             f"{folder} is there already: choose another place (--dir), or remove it; nothing is overwritten"
         )
     files = planned(name, folder, options)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary:
+    with (
+        _full_disk_named(folder),
+        folder_for(folder),
+        tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=folder.parent) as temporary,
+    ):
         made = Path(temporary) / "robot"
         for file, text in files.items():
             (made / file).parent.mkdir(parents=True, exist_ok=True)
@@ -73,6 +79,17 @@ def create(name: str, folder: Path, options: Options = Options()) -> list[Path]:
         _check(made / f"{name}.yaml")
         made.rename(folder)  # onto nothing, or onto an empty folder
     return [folder / file for file in files]
+
+
+@contextmanager
+def _full_disk_named(folder: Path) -> Iterator[None]:
+    """What cannot be written stands in a folder of another name, which is gone when somebody reads the message."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is not None:
+            raise OSError(error.errno, error.strerror, str(folder)) from error
+        raise
 
 
 def _check(config: Path) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from itertools import accumulate
 from pathlib import Path
 from typing import ClassVar
 
 from rich.text import Text
 from textual import work
 from textual.app import App, ComposeResult
+from textual.binding import Binding
 from textual.containers import VerticalScroll
 from textual.widgets import DataTable, Footer, Header, Static
 
@@ -18,7 +20,7 @@ from pilotfish.errors import PilotfishError
 from pilotfish.operating import Operator, describe
 from pilotfish.top import CHANNELS
 from pilotfish.top.screens import HelpScreen
-from pilotfish.watching.columns import COLUMNS, ordered, style
+from pilotfish.watching.columns import COLUMNS, NOT_KNOWN, Column, ordered, style
 from pilotfish.watching.feed import Feed, Message
 from pilotfish.watching.robots import Robots, RobotState, Row
 
@@ -45,6 +47,7 @@ class TopApp(App[None]):
     ENABLE_COMMAND_PALETTE = False
     BINDINGS: ClassVar = [
         ("q", "quit", "Quit"),
+        Binding("ctrl+c", "quit", show=False, priority=True),  # on a terminal whose keys are read it is no signal
         ("s", "stop", "Stop robot"),
         ("less_than_sign,comma", "sort(-1)", "Sort <"),
         ("greater_than_sign,full_stop", "sort(1)", "Sort >"),
@@ -150,7 +153,17 @@ class TopApp(App[None]):
         row = state.row(now_s)
         what = " ".join(word for word in (row.status, f"({row.reason})" if row.reason else "") if word)
         head = Text.assemble((f"{state.name}  ", "bold"), what, "\n")
-        return Text.assemble(head, Text("\n").join(_event_lines(state, self._wall_offset_s)))
+        unseen = "   ".join(f"{column.title}: {column.text(row) or NOT_KNOWN}" for column in self._beyond_the_edge())
+        return Text.assemble(
+            head, (unseen + "\n" if unseen else "", "dim"), Text("\n").join(_event_lines(state, self._wall_offset_s))
+        )
+
+    def _beyond_the_edge(self) -> list[Column]:
+        """The columns that a narrow terminal does not show whole; the reason stands behind the status anyway."""
+        table = self.query_one(DataTable)
+        ends = accumulate(column.get_render_width(table) for column in table.ordered_columns)
+        shown = zip(COLUMNS, ends, strict=True)
+        return [column for column, end in shown if end > table.size.width and column.name != "reason"]
 
     # --- keys
     def action_sort(self, by: int) -> None:

@@ -225,7 +225,7 @@ class CameraFeed(Feed):
             "tags": seen["tags"],
             "axes_px": None if pose is None else axes_px(camera, pose),
             "calibrated_size": [camera.width, camera.height],
-            "distance_m": seen["distance_m"],
+            "distance_m": seen["range_m"],  # to the tag: what every other number of this page says
             "bearing_rad": seen["bearing_rad"],
         }
 
@@ -252,8 +252,9 @@ class CameraFeed(Feed):
             d, b = seen["distance_m"], seen["bearing_rad"]
             place = (None, None) if d is None else (d * math.cos(b), d * math.sin(b))
             bearing_deg = None if b is None else math.degrees(b)
-            distance_mm = None if d is None else d * 1e3
-            self._samples.add(now_s, [distance_mm, bearing_deg, *(None, None, None), *(0.0, 0.0, 0.0), *place])
+            self._samples.add(
+                now_s, [None, bearing_deg, *(None, None, None), *(0.0, 0.0, 0.0), *place, seen["range_m"]]
+            )
         self.tell("state")
         if picture is not None:
             self._picture = picture, now_s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 
 from pilotfish.names_on_bus import split_channel
 from pilotfish.view.feed import Feed
@@ -38,11 +39,13 @@ class Hub:
 
 
 class BusHub(Hub):
-    """Listens to one bus. ``robot`` empty: whatever sends a status or a command becomes a feed, MAX_ROBOTS at most."""
+    """Listens to one bus. ``robot`` empty: whatever sends a status or a command becomes a feed, MAX_ROBOTS at most.
 
-    def __init__(self, url: str, robot: str, setup: Setup) -> None:
-        super().__init__([RobotFeed(robot, setup)] if robot else [])
-        self._setup, self._discovers = setup, not robot
+    ``setups``: of robots whose own is known, by name in small letters; ``setup`` is that of all others."""
+
+    def __init__(self, url: str, robot: str, setup: Setup, setups: Mapping[str, Setup] | None = None) -> None:
+        self._setup, self._setups, self._discovers = setup, setups or {}, not robot
+        super().__init__([RobotFeed(robot, self._setup_of(robot))] if robot else [])
         self._by_channel: dict[str, RobotFeed] = {}
         self._listener = Listener(url, self._wanted, self._on_message)
 
@@ -58,6 +61,9 @@ class BusHub(Hub):
     def stop(self, loop: asyncio.AbstractEventLoop) -> None:
         """As Hub's."""
         self._listener.stop(loop)
+
+    def _setup_of(self, robot: str) -> Setup:
+        return self._setups.get(robot.lower(), self._setup)
 
     def _wanted(self, channel: str) -> bool:
         feed, kind = self._feed_of(channel)
@@ -78,7 +84,7 @@ class BusHub(Hub):
         name = named[0]
         feed = next((feed for own, feed in self.feeds.items() if own.lower() == name), None)
         if feed is None and self._discovers and kind in ("STATUS", "COMMAND") and len(self.feeds) < MAX_ROBOTS:
-            feed = self.feeds[name] = RobotFeed(name, self._setup)
+            feed = self.feeds[name] = RobotFeed(name, self._setup_of(name))
         if isinstance(feed, RobotFeed):
             self._by_channel[channel] = feed
             return feed, kind

@@ -7,6 +7,7 @@ from typing import Any
 
 from pilotfish.core import Reason
 from pilotfish.lcmtypes.pilotfish import base_t, command_t, observation_t, status_t
+from pilotfish.stage_words import stage_words
 
 MAX_MESSAGE_BYTES = 16384  # of the four below; the longest that a coordinator sends has 1400
 MAX_TAGS = 12
@@ -77,7 +78,12 @@ def _status(message: status_t) -> Values:
         "leader_index": message.leader_index,
         "leader_changes": message.leader_changes,
         "stages": [
-            {"name": stage.name[:12], "counts": list(stage.counts), "max_ms": finite(stage.max_ms)}
+            {
+                "name": stage.name[:12],
+                "words": stage_words(stage.name[:12]),
+                "counts": list(stage.counts),
+                "max_ms": finite(stage.max_ms),
+            }
             for stage in message.stages[:6]
         ],
         "rejected": {counter.name[:24]: counter.count for counter in message.rejected[:24]},

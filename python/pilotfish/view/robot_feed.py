@@ -232,6 +232,7 @@ class RobotFeed(Feed):
         return [
             *(distance_error_mm, bearing_error_deg, command["linear_mps"], command["angular_radps"], latency_ms),
             *(round(pose.x_m, 4), round(pose.y_m, 4), round(pose.heading_rad, 4), *leader),
+            None,  # the range is a camera's, without a robot
         ]
 
     def _words(self, status: Values, now_s: float) -> dict[str, Any]:

@@ -6,13 +6,13 @@ import asyncio
 import contextlib
 import errno
 import logging
-import signal
 import socket
 from collections.abc import Callable
 from typing import Any
 
 from pilotfish.errors import SilentRobotError
 from pilotfish.extras import require
+from pilotfish.loop_signals import run_until_signal
 from pilotfish.view.descriptors import limits
 from pilotfish.view.gate import Gate
 
@@ -74,22 +74,18 @@ def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> N
                 self.servers.append(gate)
                 on_ready()
 
+    server = Server(config)
+
+    def end(_number: int) -> None:
+        server.force_exit = server.should_exit  # asked twice: without waiting for what is still being answered
+        server.should_exit = True
+
     async def run() -> None:
-        server = Server(config)
-        loop = asyncio.get_running_loop()
-
-        def end() -> None:
-            server.force_exit = server.should_exit  # asked twice: at once
-            server.should_exit = True
-
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, end)
         logging.getLogger("uvicorn.error").addFilter(_is_no_cancellation)
-        await server._serve(
-            [listening]
-        )  # without uvicorn's own handling of signals, which raises them again at the end
+        await server._serve([listening])  # without uvicorn's own handling of signals, which raises them again
+        await server.lifespan.shutdown()  # left out by uvicorn if it is forced; if it was not, this does nothing
 
-    asyncio.run(run())
+    run_until_signal(run, end)
 
 
 def _is_no_cancellation(record: logging.LogRecord) -> bool:

@@ -10,7 +10,7 @@ PERIOD_S = 0.1
 _GAP_S = 0.5
 COLUMNS = (
     *("time_s", "distance_error_mm", "bearing_error_deg", "linear_mps", "angular_radps", "latency_ms"),
-    *("x_m", "y_m", "heading_rad", "leader_x_m", "leader_y_m"),
+    *("x_m", "y_m", "heading_rad", "leader_x_m", "leader_y_m", "range_m"),
 )
 Row = tuple[float | None, ...]
 

@@ -69,6 +69,22 @@ def load_setup(config: Path, fuzzy_file: Path | None = None) -> Setup:
     )
 
 
+def running_setups(url: str, fuzzy_file: Path | None = None) -> dict[str, Setup]:
+    """Of the coordinators that run on this computer now, on the bus at ``url``, by the robot's name in small letters.
+
+    Their command lines say where their files are; those that this user cannot read are left out."""
+    from pilotfish.doctor.following.setup import running_coordinators, setups_here
+    from pilotfish.doctor.host import Host
+
+    found = {}
+    for name, running in setups_here(url, running_coordinators(Host())).items():
+        try:
+            found[name] = load_setup(running.file, fuzzy_file)
+        except (ConfigError, OSError):
+            continue
+    return found
+
+
 def law_of(setup: Setup) -> dict[str, Any]:
     """Rule table and surface for the page: labels, consequents, and u on a grid over both universes."""
     controller = setup.controller

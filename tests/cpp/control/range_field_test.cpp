@@ -47,6 +47,37 @@ TEST(RangeField, ARingCoversEveryDirectionAndALaserOnlyWhereItLooks) {
   EXPECT_FALSE(view.covers(radians(80.0), radians(60.0)));
 }
 
+TEST(RangeField, RaysFartherApartThanASectorLeaveWhatIsBetweenThemUnknown) {
+  // Sectors are 2 degrees wide. A sonar looks all across its cone; a ray looks along a line.
+  for (const double degrees : {0.5, 1.0, 2.0, 2.5, 3.0, 4.0, 5.0}) {
+    for (const double from : {-180.0, -179.0, -178.3}) {
+      RangeField field;
+      RangeScan scan;
+      scan.utime = 1000;
+      scan.first_rad = radians(from);
+      scan.step_rad = radians(degrees);
+      for (int i = 0; i < static_cast<int>(360.0 / degrees); ++i) scan.ranges_m.push_back(5.0F);
+      field.add(scan, {}, 1000);
+      EXPECT_EQ(field.view({0.0, 10.0, 0.15}, 1000).covers(0.0, radians(60.0)), degrees <= 2.0) << degrees << from;
+      EXPECT_TRUE(field.view({radians(10.0), 10.0, 0.15}, 1000).covers(0.0, radians(60.0)));
+    }
+  }
+}
+
+TEST(RangeField, AReadingOfNothingIsASurfaceThatTouchesTheRobotHoweverItHasMovedSince) {
+  for (const float range_m : {0.0F, 1e-9F, 0.001F, 0.02F}) {
+    RangeField field;
+    field.add(ring(1000, range_m), {}, 1000);
+    field.moved({}, {0.06, 0.0, 0.1});  // 0.1 s at 0.6 m/s
+    const ObstacleView view = field.view(kSonar, 1000);
+    EXPECT_TRUE(view.covered.all());
+    EXPECT_NEAR(nearest_m(view), 0.05, 1e-6);
+    int ahead = 0;
+    for (const SurfacePoint& point : view.points) ahead += point.x_m > 0.03 ? 1 : 0;
+    EXPECT_GT(ahead, 30) << range_m;
+  }
+}
+
 TEST(RangeField, AnObstacleStaysWhereItIsWhileTheRobotMoves) {
   RangeField field;
   RangeScan scan = ring(1000, 3.0F);

@@ -51,6 +51,20 @@ TEST(RangeGuard, AllowsTheSpeedThatStopsJustBefore) {
   EXPECT_EQ(guarded(with_point(-0.8, 0.0), {0.6, 0.0}), 0.6);           // what is behind is not in the way
 }
 
+TEST(RangeGuard, StandsWhereEveryReadingIsZero) {
+  RangeField field;
+  RangeScan scan;
+  scan.utime = 1000;
+  scan.first_rad = -kPi;
+  scan.step_rad = radians(1.0);
+  for (int i = 0; i < 360; ++i) scan.ranges_m.push_back(0.0F);
+  field.add(scan, {}, 1000);
+  field.moved({}, {0.03, 0.0, 0.0});
+  const ObstacleView view = field.view({0.0, 10.0, 0.15}, 51'000);
+  EXPECT_EQ(guarded(view, {0.6, 0.3}, {0.58, 0.0}), 0.0);
+  EXPECT_EQ(guarded(view, {-0.3, 0.0}), 0.0);
+}
+
 TEST(RangeGuard, StandsWhereNothingIsKnownOfThePath) {
   EXPECT_EQ(guarded(ObstacleView{}, {0.3, 0.0}), 0.0);
   ObstacleView ahead = open_ground();

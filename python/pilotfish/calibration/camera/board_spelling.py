@@ -28,3 +28,12 @@ def board_of(text: str) -> Board:
     if kind == "charuco":
         dictionary = words[3] if len(words) == 4 else DEFAULT_DICTIONARY
     return Board(kind, int(size[1]), int(size[2]), metres[0], metres[1] if kind == "charuco" else None, dictionary)
+
+
+def spelled(board: Board) -> str:
+    """The words for ``board`` that ``board_of`` understands: charuco:8x6:30mm:22mm."""
+    lengths = [board.square_m] + ([board.marker_m] if board.marker_m is not None else [])
+    words = [board.kind, f"{board.columns}x{board.rows}", *(f"{round(length * 1e3, 6):.9g}mm" for length in lengths)]
+    if board.dictionary not in (None, DEFAULT_DICTIONARY):
+        words.append(board.dictionary)
+    return ":".join(words)

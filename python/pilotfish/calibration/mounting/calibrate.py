@@ -12,7 +12,7 @@ from pilotfish.calibration.body.single_pose import both_tag_poses
 from pilotfish.calibration.covariance import Uncertainty, uncertainty_of
 from pilotfish.calibration.mounting.angles import pan_tilt_roll
 from pilotfish.calibration.mounting.drive import Drive, DriveBundle, Slip
-from pilotfish.calibration.mounting.first_guess import drive_of, guess_drive, turning_axis
+from pilotfish.calibration.mounting.first_guess import drive_of, guess_drive, turning_axis, upright_poses
 from pilotfish.calibration.mounting.phases import Phases, phases_by_motion
 from pilotfish.core import CameraModel, CameraMounting
 from pilotfish.errors import CalibrationError
@@ -151,7 +151,7 @@ def _first(
     up, centre, choice = turning_axis(cMt[turn], errors_px[turn])
     turn_poses = cMt[turn, choice]
     n = (turn_poses[:, :3, :3].transpose(0, 2, 1) @ up).mean(axis=0)
-    upright = np.linalg.norm(cMt[:, :, :3, :3] @ (n / np.linalg.norm(n)) - up, axis=-1).argmin(axis=1)
+    upright = upright_poses(cMt, n / np.linalg.norm(n), up)
     guess = guess_drive(
         turn_poses, cMt[straight, upright[straight]], up, centre, forward=phases.forward, pan_rad=pan_rad
     )

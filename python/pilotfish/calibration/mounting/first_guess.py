@@ -12,6 +12,7 @@ from pilotfish.calibration.mounting.drive import Drive
 from pilotfish.errors import CalibrationError
 
 CLEAR_FACTOR = 2.0  # by how much the better of a tag's two poses must fit better to be taken at once
+ALIKE = 0.02  # rad, nearly: by less, one of two poses does not lean more than the other
 MIN_TURN_RAD = math.radians(10.0)
 MIN_DRIVE_M = 0.05
 MAX_BACK = 0.25  # of the way: more is no noise, and no slip
@@ -35,10 +36,7 @@ def turning_axis(cMt: np.ndarray, errors_px: np.ndarray) -> tuple[np.ndarray, np
         up = _common_axis(cMt[everyone, choice, :3, :3], weights)
         n = np.einsum("n,nij,i->j", weights, cMt[everyone, choice, :3, :3], up)  # up in the tag's frame
         n /= np.linalg.norm(n)
-        lean = np.linalg.norm(cMt[:, :, :3, :3] @ n - up, axis=-1)
-        better = lean.argmin(axis=1)
-        # Where both lean alike, the corners decide.
-        better = np.where(np.abs(lean[:, 0] - lean[:, 1]) < 0.02, 0, better)
+        better = upright_poses(cMt, n, up)
         if (better == choice).all():
             break
         choice, weights = better, np.ones(len(cMt))
@@ -51,6 +49,14 @@ def turning_axis(cMt: np.ndarray, errors_px: np.ndarray) -> tuple[np.ndarray, np
             "the spot until the tag has passed from one side of the picture to the other"
         )
     return up, _centre(poses, up), choice
+
+
+def upright_poses(cMt: np.ndarray, up_t: np.ndarray, up_c: np.ndarray) -> np.ndarray:
+    """(N,): which of both poses (N, 2, 4, 4) of an upright tag has its ``up_t`` (3,) along ``up_c`` (3,). Where both
+    lean alike, as those of a tag that is as high as the camera do, the corners decide: the first pose fits them
+    better."""
+    lean = np.linalg.norm(cMt[:, :, :3, :3] @ up_t - up_c, axis=-1)
+    return np.where(np.abs(lean[:, 0] - lean[:, 1]) < ALIKE, 0, lean.argmin(axis=1))
 
 
 def angles_about(R: np.ndarray, up: np.ndarray) -> np.ndarray:

@@ -19,8 +19,9 @@ from pilotfish.doctor.following.cause import Cause
 from pilotfish.doctor.following.causes import causes
 from pilotfish.doctor.following.evidence import Evidence, collect
 from pilotfish.doctor.following.in_view import DEFAULT_FAMILY, InView, look
+from pilotfish.doctor.following.load import Machine, cpu_times, machine_load
 from pilotfish.doctor.following.no_coordinator import no_coordinator
-from pilotfish.doctor.following.setup import Setup, find_setup, load_setup, running_coordinators
+from pilotfish.doctor.following.setup import Setup, find_setup, load_setup, running_coordinators, runs_here
 from pilotfish.doctor.following.watch import Watched, watch_robot
 from pilotfish.doctor.host import Host
 
@@ -39,6 +40,7 @@ class Diagnosis:
     evidence: Evidence | None  # None without a coordinator
     setup: Setup | None  # None where its configuration is not known
     in_view: InView | None  # None without pictures on the bus
+    machine: Machine | None = None  # None unless its coordinator runs on this computer
 
     @property
     def follows(self) -> bool:
@@ -56,6 +58,7 @@ class Diagnosis:
             "notes": [cause.as_dict() for cause in self.notes],
             "evidence": _plain(asdict(self.evidence)) if self.evidence else None,
             "config": str(self.setup.file) if self.setup else None,
+            "machine": asdict(self.machine) if self.machine else None,
             "ids_in_view": list(self.in_view.ids) if self.in_view else None,
         }
 
@@ -74,21 +77,23 @@ def diagnose(
     host = host or Host()
     url = lcm_url or os.environ.get("LCM_DEFAULT_URL") or DEFAULT_URL
     setup = load_setup(config, robot) if config else None
+    before = cpu_times(host)
     watched = watch_robot(robot, url, seconds, on_time)
+    machine = machine_load(host, before)
     processes = running_coordinators(host)
     setup = setup or find_setup(robot, url, processes)
     if not watched.statuses and not watched.commands:
         return Diagnosis(robot, seconds, url, no_coordinator(watched, url, processes, host), [], None, setup, None)
-    return judge(watched, url, setup)
+    return judge(watched, url, setup, machine=machine if runs_here(robot, url, processes) else None)
 
 
-def judge(watched: Watched, url: str, setup: Setup | None) -> Diagnosis:
-    """The diagnosis of what was received of a coordinator."""
+def judge(watched: Watched, url: str, setup: Setup | None, *, machine: Machine | None = None) -> Diagnosis:
+    """The diagnosis of what was received of a coordinator; ``machine``: the computer that it runs on, if known."""
     evidence = collect(watched, wall_offset_s=time.time() - time.monotonic())
     channel = (setup.image_channel if setup else None) or f"{watched.robot.upper()}_IMAGE"
     in_view = look(watched, channel, setup.family if setup else DEFAULT_FAMILY)
-    found, notes = causes(watched.robot, evidence, setup, in_view)
-    return Diagnosis(watched.robot, watched.seconds, url, found, notes, evidence, setup, in_view)
+    found, notes = causes(watched.robot, evidence, setup, in_view, machine)
+    return Diagnosis(watched.robot, watched.seconds, url, found, notes, evidence, setup, in_view, machine)
 
 
 def _plain(value: Any) -> Any:

@@ -15,13 +15,18 @@ from pilotfish.doctor.following.cause import (
 )
 from pilotfish.doctor.following.evidence import Evidence
 from pilotfish.doctor.following.in_view import InView
-from pilotfish.doctor.following.seeing import what_it_sees
+from pilotfish.doctor.following.load import Machine
+from pilotfish.doctor.following.seeing import overloaded, what_is_missing_while_stopped, what_it_sees
 from pilotfish.doctor.following.setup import Setup
 from pilotfish.doctor.following.wheels import distance_that_stays, what_the_wheels_do
 
 
 def causes(
-    robot: str, seen: Evidence, setup: Setup | None = None, in_view: InView | None = None
+    robot: str,
+    seen: Evidence,
+    setup: Setup | None = None,
+    in_view: InView | None = None,
+    machine: Machine | None = None,
 ) -> tuple[list[Cause], list[Cause]]:
     """What keeps it from following, and what does not but is worth knowing. It follows if the first list is empty.
 
@@ -29,8 +34,9 @@ def causes(
     """
     found = _senders(robot, seen)
     if not found:  # two coordinators send zeros, whatever they see; one that is gone sees nothing any more
-        found += _stopped(robot, seen)
-        found += what_it_sees(robot, seen, setup, in_view)
+        found += what_is_missing_while_stopped(robot, seen, setup, machine)
+        found += _stopped(robot, seen, setup)
+        found += what_it_sees(robot, seen, setup, in_view, machine)
     held = held_share(seen)
     blocking, notes = what_the_wheels_do(robot, seen)
     found += blocking
@@ -38,6 +44,10 @@ def causes(
         found.append(_unexplained(robot, seen, held))
     if not found:
         found += distance_that_stays(robot, seen)
+    busy = overloaded(seen, machine)
+    if busy and "overloaded" not in {cause.name for cause in found}:
+        late = {"too_old", "intermittent", "too_few_images"} & {cause.name for cause in found}
+        (found if late else notes).append(busy)
     return found, notes + _notes(robot, seen)
 
 
@@ -63,9 +73,19 @@ def _senders(robot: str, seen: Evidence) -> list[Cause]:
     return []
 
 
-def _stopped(robot: str, seen: Evidence) -> list[Cause]:
+def _stopped(robot: str, seen: Evidence, setup: Setup | None) -> list[Cause]:
     if seen.last_status != "stopped" and seen.setpoint_run:
         return []
+    if not seen.setpoint_taken and (setup is None or not setup.run):
+        where = f" ({setup.file})" if setup else ""
+        return [
+            Cause(
+                "stopped",
+                "nobody has let it drive since it was started: it looks, and stands still, as setpoint.run: false says "
+                f"in its configuration{where}",
+                f"pilotfish go {robot} (with --key FILE where there is a key)",
+            )
+        ]
     return [
         Cause(
             "stopped",
@@ -95,7 +115,7 @@ def _notes(robot: str, seen: Evidence) -> list[Cause]:
                 f"journalctl -u pilotfish-coordinator@{robot} says why",
             )
         )
-    if seen.frame_rate_hz < MIN_FRAME_RATE_HZ and "no_frame" not in seen.reason_shares:
+    if seen.pictures_hz > 0.0 and seen.frame_rate_hz < MIN_FRAME_RATE_HZ and "no_frame" not in seen.reason_shares:
         notes.append(
             Cause(
                 "slow_camera",

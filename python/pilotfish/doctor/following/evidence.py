@@ -11,6 +11,8 @@ from statistics import median
 from typing import Any
 
 from pilotfish.core import Reason, Status
+from pilotfish.doctor.following.load import Late
+from pilotfish.doctor.following.load import late as late_in
 from pilotfish.doctor.following.watch import Watched
 
 # The last part of the watch decides: what was mended while it was watched is no fault any more.
@@ -66,6 +68,9 @@ class Evidence:
     error_last_m: float = math.nan
     setpoint_distance_m: float = math.nan
     setpoint_run: bool = True
+    setpoint_taken: bool = False  # by this run of the coordinator; else it is that of its configuration
+    pictures_hz: float = 0.0  # new ones that it has looked at, in the deciding part
+    late: Late = field(default_factory=Late)  # in the deciding part
     commanded_mps: Numbers = Numbers()  # of |v|
     simulated: bool = False  # commands are for a simulator
     wheels_moved: bool | None = None  # by the encoders; None: not measured
@@ -118,6 +123,9 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
         error_last_m=_median_error(tracked[-max(1, len(tracked) // 5) :]),
         setpoint_distance_m=last.setpoint_distance_m if last else math.nan,
         setpoint_run=bool(last.setpoint_run) if last else True,
+        setpoint_taken=bool(last and last.setpoint_counter > 0),
+        pictures_hz=_pictures([status for _, status in late]) / (watched.seconds * DECIDING_SHARE),
+        late=late_in([status for _, status in late]),
         commanded_mps=Numbers.of(abs(command.linear_mps) for _, command in late_commands),
         simulated=any(command.simulated for _, command in late_commands),
         wheels_moved=_wheels_moved(late_bases),
@@ -136,12 +144,6 @@ def status_name(number: int) -> str:
 def reason_name(number: int) -> str:
     """Of a reason on the wire."""
     return _REASONS.get(number, f"reason {number}")
-
-
-def reason_text(name: str) -> str:
-    """In words, as the programs say it."""
-    reason = Reason.__members__.get(name)
-    return reason.text if reason is not None and reason.text else name.replace("_", " ")
 
 
 def risen(reports: Sequence[Any]) -> dict[str, int]:
@@ -172,6 +174,11 @@ def risen(reports: Sequence[Any]) -> dict[str, int]:
 def _late(messages: list[tuple[float, Any]], watched: Watched) -> list[tuple[float, Any]]:
     since_s = watched.start_s + watched.seconds * (1.0 - DECIDING_SHARE)
     return [(arrival_s, message) for arrival_s, message in messages if arrival_s >= since_s]
+
+
+def _pictures(statuses: Sequence[Any]) -> int:
+    """Reports between pictures repeat the stamp of the last one."""
+    return sum(before.utime != after.utime for before, after in pairwise(statuses))
 
 
 def _shares(names: Iterable[str]) -> dict[str, float]:

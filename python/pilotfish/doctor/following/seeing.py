@@ -12,15 +12,44 @@ from pilotfish.doctor.following.cause import (
     risen_by,
     time_text,
 )
-from pilotfish.doctor.following.evidence import Evidence, reason_text
+from pilotfish.doctor.following.evidence import Evidence
 from pilotfish.doctor.following.in_view import InView
+from pilotfish.doctor.following.load import Machine
 from pilotfish.doctor.following.setup import Setup
+from pilotfish.doctor.network import KEEP_BUFFER, RAW_IMAGE_BYTES, WANTED_IMAGES
+from pilotfish.reason_words import reason_text
 
+_LOST_ON_THE_WAY = ("receive_buffer_full", "message_incomplete", "message_displaced")
 _OFTEN = 0.1  # a reason that holds for less of the time is not worth a line
 _OFTEN_LATE = 0.25  # of pictures that come, and now and then a period late
 
 
-def what_it_sees(robot: str, seen: Evidence, setup: Setup | None, in_view: InView | None) -> list[Cause]:
+def what_is_missing_while_stopped(
+    robot: str, seen: Evidence, setup: Setup | None, machine: Machine | None
+) -> list[Cause]:
+    """A status that is stopped gives no other reason: that no picture comes shows in stamps that stand still."""
+    if (seen.last_status != "stopped" and seen.setpoint_run) or seen.pictures_hz > 0.0 or not seen.status_rate_hz:
+        return []
+    return [_no_frame(robot, seen, setup, machine, "100 % of the time")]
+
+
+def overloaded(seen: Evidence, machine: Machine | None) -> Cause | None:
+    """The computer has too much to do: by its load, if it is this one, or by what the coordinator counts as late."""
+    if not (seen.late.overloaded or (machine is not None and machine.overloaded)):
+        return None
+    texts = [*([str(machine)] if machine is not None else []), *seen.late.texts()]
+    where = "" if machine is not None else " (it does not run here: look at the load there)"
+    return Cause(
+        "overloaded",
+        f"the coordinator's computer has too much to do{where}: {'; '.join(texts)}",
+        "end what else runs there (top shows it); give base and coordinator real-time priority (ulimit -r, or their "
+        "systemd units); smaller pictures or a lower frame_rate_hz",
+    )
+
+
+def what_it_sees(
+    robot: str, seen: Evidence, setup: Setup | None, in_view: InView | None, machine: Machine | None = None
+) -> list[Cause]:
     """One for each reason that holds for long enough to matter."""
     found: list[Cause] = []
     held = held_share(seen)
@@ -33,7 +62,7 @@ def what_it_sees(robot: str, seen: Evidence, setup: Setup | None, in_view: InVie
             continue
         times = f"{100 * share:.0f} % of the time"
         special = {
-            "no_frame": lambda times: _no_frame(robot, seen, setup, times),
+            "no_frame": lambda times: _no_frame(robot, seen, setup, machine, times),
             "no_tag_of_the_leader": lambda times: _wrong_tags(seen, setup, in_view, times),
             "frame_size_not_calibrated": lambda times: _wrong_size(robot, seen, setup, times),
             "frame_stale": lambda times: _stale(seen, times),
@@ -47,7 +76,7 @@ def what_it_sees(robot: str, seen: Evidence, setup: Setup | None, in_view: InVie
     return found
 
 
-def _no_frame(robot: str, seen: Evidence, setup: Setup | None, times: str) -> Cause:
+def _no_frame(robot: str, seen: Evidence, setup: Setup | None, machine: Machine | None, times: str) -> Cause:
     wanted = setup.image_channel if setup else f"{robot.upper()}_IMAGE"
     others = {name: rate for name, rate in seen.image_rate_hz.items() if name != wanted}
     if wanted is None:  # a camera of its own
@@ -65,12 +94,7 @@ def _no_frame(robot: str, seen: Evidence, setup: Setup | None, times: str) -> Ca
                 "a faster camera or more light (a long exposure halves the rate); below 12 Hz see "
                 "'A slow camera' in docs/operating-guide.md",
             )
-        return Cause(
-            "images_lost",
-            f"{times}: no frame in time, although {wanted} carries {rate:.1f} images a second",
-            "sudo sysctl -w net.core.rmem_max=4194304 and restart the coordinator; do its --lcm-url and "
-            f"--source agree with {wanted}?",
-        )
+        return _images_lost(seen, machine, wanted, rate, times)
     if others:
         listed = ", ".join(f"{name} ({rate:.1f} Hz)" for name, rate in others.items())
         return Cause(
@@ -85,6 +109,22 @@ def _no_frame(robot: str, seen: Evidence, setup: Setup | None, times: str) -> Ca
         "start the camera's program (or pilotfish-sim --realtime), or let the coordinator open a camera itself: "
         "--source camera:0",
     )
+
+
+def _images_lost(seen: Evidence, machine: Machine | None, wanted: str, rate_hz: float, times: str) -> Cause:
+    """Pictures are on the bus, and do not come to be looked at in time."""
+    what = f"{times}: no frame in time, although {wanted} carries {rate_hz:.1f} images a second"
+    if busy := overloaded(seen, machine):
+        return Cause("overloaded", f"{what}: {busy.what}", busy.do)
+    lost = [(name, count) for name in _LOST_ON_THE_WAY if (count := risen_by(seen, name))]
+    buffer = machine.receive_buffer_bytes if machine is not None else None
+    do = f"do its --lcm-url and --source agree with {wanted}?"
+    if lost or buffer is None or buffer < WANTED_IMAGES * RAW_IMAGE_BYTES:
+        do = f"{KEEP_BUFFER}, and restart the coordinator; {do}"
+    else:
+        do = f"the receive buffer is large enough ({buffer} bytes); {do}"
+    counted = "; ".join(f"{name} rose by {count}" for name, count in lost)
+    return Cause("images_lost", what + (f"; {counted}" if counted else ""), do)
 
 
 def _wrong_tags(seen: Evidence, setup: Setup | None, in_view: InView | None, times: str) -> Cause:

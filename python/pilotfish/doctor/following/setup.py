@@ -27,6 +27,7 @@ class Setup:
     ids: tuple[int, ...]
     body: str  # the leader's name
     frame_rate_hz: float = 30.0
+    run: bool = True  # setpoint.run: it drives as soon as it is started
 
     @property
     def image_channel(self) -> str | None:
@@ -83,7 +84,17 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
         ids=tuple(sorted(tag.id for tag in part.leader.tags)),
         body=part.leader.name,
         frame_rate_hz=loaded.frame_rate_hz,
+        run=part.setpoint.run,
     )
+
+
+def runs_here(robot: str, url: str, processes: list[Process]) -> bool:
+    """Whether one of these is the coordinator that is heard on the bus at ``url``, as far as its command line says."""
+    for process in processes:
+        name = process.option("--name")
+        if same_bus(process.lcm_url, url) and (name is None or name.lower() == robot.lower()):
+            return True
+    return False
 
 
 def running_coordinators(host: Host) -> list[Process]:
@@ -114,18 +125,21 @@ def same_bus(url: str, other: str) -> bool:
     return group == group_of(other) if group else url == other
 
 
-def find_setup(robot: str, url: str, processes: list[Process]) -> Setup | None:
-    """Of the running coordinator of that name on that bus; None if there is none, or its files cannot be read here."""
+def setups_here(url: str, processes: list[Process]) -> dict[str, Setup]:
+    """Of every coordinator of this host on that bus, by its name in small letters; those whose files can be read."""
+    found: dict[str, Setup] = {}
     for process in processes:
-        if not same_bus(process.lcm_url, url):
-            continue
         config = process.option("--config")
-        if config is None:
+        if config is None or not same_bus(process.lcm_url, url):
             continue
         try:
             setup = load_setup(process.folder / config, process.option("--name"), process.option("--source"))
         except (ConfigError, OSError, ValueError):
             continue
-        if setup.name.lower() == robot.lower():
-            return setup
-    return None
+        found.setdefault(setup.name.lower(), setup)
+    return found
+
+
+def find_setup(robot: str, url: str, processes: list[Process]) -> Setup | None:
+    """Of the running coordinator of that name on that bus; None if there is none, or its files cannot be read here."""
+    return setups_here(url, processes).get(robot.lower())

@@ -12,9 +12,7 @@ from pilotfish.doctor.following.evidence import Evidence
 def what_the_wheels_do(robot: str, seen: Evidence) -> tuple[list[Cause], list[Cause]]:
     """What the wheels' process does: reasons to stand still, and notes."""
     if not seen.base_state:
-        if not seen.commanded_mps.count or seen.commanded_mps.maximum < MOVES_MPS:
-            return [], []
-        what = f"no pilotfish-base of {robot} on the bus; wheels driven by another program do not show here"
+        what = f"no pilotfish-base of {robot} answers the commands; wheels driven by another program do not show here"
         do = f"pilotfish-base --config base.yaml, if it is to drive them ({robot.upper()}_BASE is silent)"
         return [], [Cause("no_base", what, do)]
     if len(seen.base_sessions) > 1 and "another_base" in seen.base_counters_risen:

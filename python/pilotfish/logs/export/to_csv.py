@@ -13,14 +13,20 @@ from pilotfish.whole_files import written_whole
 
 
 def export_csv(
-    path: Path, out: Path, *, table: str = "frames", robot: str | None = None, on_progress: OnProgress | None = None
+    path: Path,
+    out: Path,
+    *,
+    table: str = "frames",
+    robot: str | None = None,
+    on_progress: OnProgress | None = None,
+    notes: RunNotes | None = None,
 ) -> int:
     """Writes one table; the number of its rows. RecordingError, MissingFileError, OSError."""
     columns, count = columns_of(table), 0
     with written_whole(out) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow([column.name for column in columns])
-        for row in table_rows(path, table, robot, RunNotes(), on_progress):
+        for row in table_rows(path, table, robot, notes or RunNotes(), on_progress):
             writer.writerow([_text(cell(column, row)) for column in columns])
             count += 1
     return count

@@ -31,9 +31,10 @@ def export_mcap(
     robot: str | None = None,
     images: bool = True,
     on_progress: OnProgress | None = None,
+    notes: RunNotes | None = None,
 ) -> int:
     """The number of MCAP messages written. RecordingError, MissingFileError, MissingPackageError, OSError."""
-    writer_module, count, notes = require("mcap.writer", "export"), 0, RunNotes()
+    writer_module, count, notes = require("mcap.writer", "export"), 0, notes or RunNotes()
     with written_whole(out) as partial, partial.open("wb") as stream:
         writer = writer_module.Writer(stream)
         writer.start(profile="", library="pilotfish")

@@ -16,6 +16,7 @@ from pilotfish.logs.clock import RunClock
 from pilotfish.logs.columns import CORNERS, NONE
 from pilotfish.logs.export.overlay import Seen, with_overlay
 from pilotfish.logs.images import RecordedImage, images_in
+from pilotfish.logs.notes import RunNotes
 from pilotfish.logs.reader import read_run
 from pilotfish.logs.run import RobotRun, Run
 from pilotfish.logs.sources import OnProgress
@@ -34,6 +35,7 @@ def export_mp4(
     robot: str | None = None,
     overlay: bool = True,
     on_progress: OnProgress | None = None,
+    notes: RunNotes | None = None,
 ) -> int:
     """The number of frames written. Images of another size than the first's are scaled to it.
 
@@ -41,7 +43,7 @@ def export_mp4(
     MissingPackageError, OSError."""
     av = require("av", "export")
     first, second = _halves(on_progress)
-    run = read_run(path, on_progress=first)
+    run = read_run(path, on_progress=first, notes=notes)
     camera = _camera(path, list(run.cameras), robot)
     known = _Known(_whose(run, camera))
     try:

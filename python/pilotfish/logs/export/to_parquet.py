@@ -18,11 +18,17 @@ ROWS_PER_GROUP = 20_000
 
 
 def export_parquet(
-    path: Path, out: Path, *, table: str = "frames", robot: str | None = None, on_progress: OnProgress | None = None
+    path: Path,
+    out: Path,
+    *,
+    table: str = "frames",
+    robot: str | None = None,
+    on_progress: OnProgress | None = None,
+    notes: RunNotes | None = None,
 ) -> int:
     """Writes one table; the number of its rows. RecordingError, MissingFileError, MissingPackageError, OSError."""
     pa, parquet = require("pyarrow", "export"), require("pyarrow.parquet", "export")
-    columns, notes, count = columns_of(table), RunNotes(), 0
+    columns, notes, count = columns_of(table), notes or RunNotes(), 0
     schema = pa.schema([_field(pa, column) for column in columns], metadata={"pilotfish.table": table})
     with (
         written_whole(out) as partial,

@@ -42,11 +42,17 @@ _CURVES = {
 
 
 def export_rrd(
-    path: Path, out: Path, *, robot: str | None = None, images: bool = True, on_progress: OnProgress | None = None
+    path: Path,
+    out: Path,
+    *,
+    robot: str | None = None,
+    images: bool = True,
+    on_progress: OnProgress | None = None,
+    notes: RunNotes | None = None,
 ) -> int:
     """The number of frames and images written. RecordingError, MissingFileError, MissingPackageError, OSError."""
     rr = require("rerun", "rerun")
-    notes, count = RunNotes(), 0
+    notes, count = notes or RunNotes(), 0
     with written_whole(out) as partial:
         stream = rr.RecordingStream("pilotfish", recording_id=str(uuid.uuid5(uuid.NAMESPACE_URL, str(path.resolve()))))
         stream.set_log_time_enabled(False)  # when the export ran is of no interest

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from datetime import datetime, timezone
 from html import escape
+
+import numpy as np
 
 from pilotfish.logs.report.look import CSS
 from pilotfish.logs.report.tables import (
@@ -16,6 +19,7 @@ from pilotfish.logs.report.tables import (
     summary_table,
 )
 from pilotfish.logs.run import RobotRun, Run
+from pilotfish.logs.same_run import same_runs
 from pilotfish.logs.settings_keys import differences
 from pilotfish.logs.summary import TITLES, shown, summarize
 from pilotfish.plots.inline_svg import inline_svg
@@ -23,7 +27,18 @@ from pilotfish.plots.relative_view import draw_relative_view
 from pilotfish.plots.run_overview import draw_run_overview
 from pilotfish.plots.style import ON_PAGE
 
-_TILES = ("duration_s", "frames", "followed_share", "rms_distance_error_mm", "rms_bearing_error_deg", "latency_p99_ms")
+_TILES = (
+    "duration_s",
+    "followed_share",
+    "rms_distance_error_mm",
+    "rms_bearing_error_deg",
+    "settling_s",
+    "latency_p99_ms",
+)
+_NOT_SETTLED = (
+    "in its last quarter the distance error left its mean by more than 50 mm, or there was too little of it. "
+    "What stands as after the approach is that quarter all the same."
+)
 # Nothing may be loaded, whatever a recording has put into the page.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
@@ -42,7 +57,7 @@ def report_html(runs: Sequence[ReportedRun]) -> str:
     robots = {run.name: run.robot for run in runs}
     title = " and ".join(robots) if len(runs) <= 2 else f"{len(runs)} runs"
     sections = [
-        ("Summary", _summary(runs)),
+        ("Summary", summary_section(runs)),
         ("Figures", _figures(robots)),
         *([("What differs", _differences(robots))] if len(runs) > 1 else []),
         ("Events", _each(robots, lambda robot: event_table(robot.events) if robot.events else _nothing("no event"))),
@@ -62,9 +77,10 @@ def report_html(runs: Sequence[ReportedRun]) -> str:
     )
 
 
-def _summary(runs: Sequence[ReportedRun]) -> str:
+def summary_section(runs: Sequence[ReportedRun]) -> str:
+    """Where they come from, their figures, and what must be known to read them."""
     summaries = {run.name: summarize(run.robot) for run in runs}
-    parts = []
+    parts = [f'<p class="dim">{escape(_recorded(run))}</p>' for run in runs]
     if len(runs) == 1:
         summary = next(iter(summaries.values()))
         tiles = ""
@@ -76,21 +92,45 @@ def _summary(runs: Sequence[ReportedRun]) -> str:
     parts.append(summary_table(summaries))
     parts.append(
         '<p class="dim">Errors are those that the coordinator measured by its own camera; what the camera cannot see '
-        "(a wrong calibration, a wrong mounting) is not in them.</p>"
+        "(a wrong calibration, a wrong mounting) is not in them. After the approach: the last quarter of the part that "
+        "begins with the last setpoint, start or resume, as in the experiments.</p>"
     )
+    parts += [f'<p class="dim">{escape(pair.text)}</p>' for pair in same_runs({run.name: run.robot for run in runs})]
+    parts += [
+        f'<p class="warning">{escape(name)} has not settled: {_NOT_SETTLED}</p>'
+        for name, summary in summaries.items()
+        if not np.isfinite(summary.settling_s)
+    ]
     for run in runs:
         parts += [f'<p class="warning">{escape(run.name)}: {escape(text)}</p>' for text in _troubles(run.recording)]
     return "\n".join(parts)
 
 
-def _troubles(run: Run) -> list[str]:
-    troubles = [
-        f"{damage.file.name}: {damage.size} bytes that are no events, "
-        + ("it ends in the middle of an event" if damage.at_end else f"at byte {damage.offset}")
-        for damage in run.damage[:10]
+def _recorded(run: ReportedRun) -> str:
+    """Who, when and by what: where the figures come from."""
+    frames, settings = run.robot.frames, run.robot.last_settings
+    starts = len(run.robot.sessions)
+    parts = [
+        f"{run.robot.name}, first picture {_date(int(frames['log_utime_us'][0]))}",
+        *(["time was a simulator's"] if run.robot.simulated else []),
+        *([f"{starts} starts of the program"] if starts > 1 else []),
+        settings.program.partition(",")[0] if settings is not None else "settings not recorded",
+        str(run.recording.path),
     ]
-    if len(run.damage) > 10:
-        troubles.append(f"{len(run.damage) - 10} more damaged places")
+    return f"{run.name}: {'; '.join(part for part in parts if part)}"
+
+
+def _date(utime: int) -> str:
+    try:
+        return f"{datetime.fromtimestamp(utime * 1e-6, tz=timezone.utc):%Y-%m-%d %H:%M:%S} UTC"
+    except (ValueError, OverflowError, OSError):  # whatever a damaged file says
+        return "at no date that can be"
+
+
+def _troubles(run: Run) -> list[str]:
+    troubles = list(run.losses[:10])
+    if len(run.losses) > 10:
+        troubles.append(f"{len(run.losses) - 10} more damaged places")
     if run.unreadable:
         troubles.append(f"{run.unreadable} events that are no messages of this version of Pilotfish")
     return troubles
@@ -99,9 +139,14 @@ def _troubles(run: Run) -> list[str]:
 def _figures(robots: dict[str, RobotRun]) -> str:
     overview = inline_svg(draw_run_overview(robots, theme=ON_PAGE), "overview")
     view = inline_svg(draw_relative_view(robots, theme=ON_PAGE), "view")
+    over_time = (
+        "Over time. Lines are broken where nothing was measured. Above, the area of a colour is its share of the time: "
+        "what is too short to be seen is among the events."
+    )
     return (
-        f"<figure>{overview}<figcaption>Over time. Lines are broken where nothing was measured.</figcaption></figure>\n"
-        f"<figure>{view}<figcaption>The leader as seen from above, relative to the robot.</figcaption></figure>"
+        f"<figure>{overview}<figcaption>{over_time}</figcaption></figure>\n"
+        f'<figure class="small">{view}'
+        "<figcaption>The leader as seen from above, relative to the robot.</figcaption></figure>"
     )
 
 

@@ -8,6 +8,8 @@ from html import escape
 from pilotfish.logs.notes import STAGE_LIMITS_MS, Settings, Stage
 from pilotfish.logs.run import RunEvent
 from pilotfish.logs.summary import TITLES, Summary, shown
+from pilotfish.reason_words import reason_text
+from pilotfish.stage_words import stage_words
 
 MOST_EVENTS = 300
 
@@ -37,7 +39,9 @@ def summary_table(summaries: Mapping[str, Summary]) -> str:
 def stage_table(stages: Mapping[str, Stage]) -> str:
     """How often each stage took how long."""
     head = ["stage [ms]", *(f"< {limit:g}" for limit in STAGE_LIMITS_MS), f"≥ {STAGE_LIMITS_MS[-1]:g}", "longest"]
-    return table(head, [[name, *map(str, stage.counts), f"{stage.max_ms:.2f}"] for name, stage in stages.items()])
+    return table(
+        head, [[stage_words(name), *map(str, one.counts), f"{one.max_ms:.2f}"] for name, one in stages.items()]
+    )
 
 
 def counter_table(counters: Mapping[str, Mapping[str, int]]) -> str:
@@ -50,10 +54,16 @@ def counter_table(counters: Mapping[str, Mapping[str, int]]) -> str:
 
 def event_table(events: Sequence[RunEvent]) -> str:
     """The first of them, and how many more there are."""
-    rows = [[f"{event.t_s:.2f}", event.kind, event.text] for event in events[:MOST_EVENTS]]
+    rows = [[f"{event.t_s:.2f}", event.kind, event_words(event)] for event in events[:MOST_EVENTS]]
     more = len(events) - len(rows)
     note = f'<p class="dim">… and {more} more, in <code>pilotfish export --to csv --table events</code></p>'
     return table(["t [s]", "event", "what"], rows, numbers=False) + (note if more else "")
+
+
+def event_words(event: RunEvent) -> str:
+    """Its text; of a status with the reason in words."""
+    status, separator, reason = event.text.partition(": ")
+    return f"{status}: {reason_text(reason)}" if event.kind == "status" and separator else event.text
 
 
 def difference_table(names: Sequence[str], rows: Mapping[str, Sequence[str | None]]) -> str:

@@ -11,11 +11,11 @@ const STRIPS = [
   { column: "latency_ms", title: "latency, picture to command", unit: "ms", digits: 1, least: 20, hue: "green", show: number, positive: true },
 ];
 const CAMERA_STRIPS = [
-  { column: "distance_error_mm", title: "distance", unit: "mm", digits: 1, least: 100, hue: "blue", show: number, free: true },
+  { column: "range_m", title: "distance", unit: "m", digits: 3, least: 0.1, hue: "blue", show: number, free: true },
   { column: "bearing_error_deg", title: "bearing, left positive", unit: "°", digits: 2, least: 2, hue: "orange", show: signed },
 ];
 const EVERY_MS = 200;
-const HEIGHT = 92;
+const HEIGHT = 96;
 
 export class Charts {
   constructor(samples, mode) {
@@ -50,7 +50,7 @@ export class Charts {
     const options = {
       width: this.host.clientWidth || 600,
       height: this.height(last),
-      padding: [6, 12, last ? 0 : 8, 0],
+      padding: [8, 12, last ? 0 : 10, 0],
       cursor: { show: false },
       legend: { show: false },
       scales: { x: { time: false, range: () => [this.now - SPAN_S, this.now] }, y: { range: (_, low, high) => range(strip, low, high) } },

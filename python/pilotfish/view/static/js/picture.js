@@ -71,7 +71,7 @@ export class Picture {
     for (const tag of overlay.tags) outline(context, tag, at);
     if (overlay.axes_px) axes(context, overlay.axes_px.map(at));
     const place = overlay.detected ? `${number(overlay.distance_m, 3)} m` : overlay.text;
-    setText(this.note, overlay.detected && !overlay.axes_px && !overlay.calibrated_size ? `${place} · axes need --config` : place);
+    setText(this.note, overlay.detected && !overlay.axes_px && !overlay.calibrated_size ? `${place} · axes need --config, or a coordinator on this computer` : place);
   }
 }
 

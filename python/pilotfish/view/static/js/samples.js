@@ -2,7 +2,7 @@
 
 export const COLUMNS = [
   "time_s", "distance_error_mm", "bearing_error_deg", "linear_mps", "angular_radps", "latency_ms",
-  "x_m", "y_m", "heading_rad", "leader_x_m", "leader_y_m",
+  "x_m", "y_m", "heading_rad", "leader_x_m", "leader_y_m", "range_m",
 ];
 export const SPAN_S = 60;
 

@@ -26,7 +26,7 @@ export class Tables {
   }
 }
 
-function stageRow({ name, counts, max_ms }) {
+function stageRow({ name, words, counts, max_ms }) {
   const most = Math.max(1, ...counts);
   const bars = document.createElement("span");
   bars.className = "histogram";
@@ -36,7 +36,9 @@ function stageRow({ name, counts, max_ms }) {
     bar.title = `${k < 10 ? `below ${BOUNDS_MS[k]} ms` : "longer"}: ${count}`;
     bars.append(bar);
   }
-  return row([name, bars, below(counts, 0.5), below(counts, 0.99), `${number(max_ms, 1)} ms`]);
+  const line = row([words, bars, below(counts, 0.5), below(counts, 0.99), `${number(max_ms, 1)} ms`]);
+  line.dataset.stage = name;
+  return line;
 }
 
 // The bin in which a quantile falls.

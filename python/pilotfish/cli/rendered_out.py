@@ -1,0 +1,48 @@
+"""Where the commands of `pilotfish render` for calibrations write to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from pilotfish.cli.board_options import read_option
+from pilotfish.cli.console import progress
+from pilotfish.cli.outputs import output_file, output_folder
+
+if TYPE_CHECKING:
+    from pilotfish.cli.console import OnProgress
+
+
+def check_out(out: Path, allowed: tuple[str, ...], count: int, camera: tuple[int, int]) -> str:
+    """The kind of ``out``; before minutes are spent: what cannot be written, pictures that would be mixed, a film of an
+    odd size. ConfigError, ExistsError, OSError, typer.BadParameter, MissingPackageError."""
+    from pilotfish.calibration.rehearsal import outlets
+    from pilotfish.extras import require
+
+    kind = read_option("--out", outlets.kind_of, out)
+    if kind not in allowed:
+        names = {outlets.FOLDER: "a folder", outlets.FILM: "a film (NAME.mp4)", outlets.LOG: "a log (NAME.lcmlog)"}
+        raise typer.BadParameter(f"--out: '{out}' is not {' or '.join(names[each] for each in allowed)}")
+    if kind == outlets.FOLDER:
+        if out.exists() and not out.is_dir():
+            raise typer.BadParameter(f"--out: {out} is a file; name a folder, or NAME.mp4")
+        output_folder(out)
+        outlets.check_folder(out, count)
+        return kind
+    output_file(out)
+    if kind == outlets.FILM:
+        require("av", "export")
+        if any(side % 2 for side in camera):
+            raise typer.BadParameter(
+                f"--out: a film's sides are even, the pictures have {camera[0]}x{camera[1]} px: write a folder"
+            )
+    return kind
+
+
+def with_progress(label: str, write: Callable[[OnProgress], int]) -> int:
+    """The number of pictures that ``write`` wrote, with a bar."""
+    with progress(label) as step:
+        return write(step)

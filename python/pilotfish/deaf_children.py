@@ -1,0 +1,18 @@
+"""Processes that hear no Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Processes that the calling thread starts within hear no Ctrl-C, which a terminal sends to all of a command: their
+    parent is to act on it. One that comes meanwhile is acted on afterwards."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
