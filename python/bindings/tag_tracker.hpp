@@ -48,7 +48,12 @@ inline void bind_tag_tracker(py::module_& m) {
           "(3, 3): tag coordinates, in which the square's corners are at +-1, to the undistorted plane Z = 1")
       .def_property_readonly(
           "corners_px", [](const Registration& fit) { return to_array(fit.corners_px); },
-          "(4, 2) [px]: bottom left, bottom right, top right, top left, as one reads the tag")
+          "(4, 2) [px]: bottom left, bottom right, top right, top left, as one reads the tag; of a bent sheet where "
+          "they\n"
+          "were if it were flat, as its middle is")
+      .def_property_readonly(
+          "bend", [](const Registration& fit) { return to_array(fit.bend); },
+          "(3,): curvatures xx, xy, yy of the sheet, in half sides of the tag over the radius; zero for a flat one")
       .def_property_readonly(
           "covariance_px2", [](const Registration& fit) { return to_array(fit.covariance_px2); },
           "(8, 8) of the corners (u0, v0, u1, v1, ...)")

@@ -64,6 +64,8 @@ PYBIND11_MODULE(vision, m) {
   py::class_<Detections>(m, "Detections", "Tags found in one picture and what was turned away, by gate.")
       .def_readonly("input", &Detections::input, "why the picture was not even looked at; Reason.none if it was")
       .def_readonly("tags", &Detections::tags, "sorted by id, then by decision margin, best first")
+      .def_readonly("unsure", &Detections::unsure,
+                    "turned away for wrong bits alone; LeaderObserver takes a closer look at them")
       .def_readonly("refused_ids", &Detections::refused_ids,
                     "list[int], sorted: ids of the tags that a gate turned away")
       .def_readonly("refused_hamming", &Detections::refused_hamming,

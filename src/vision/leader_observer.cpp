@@ -16,7 +16,8 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr std::size_t kMaxForeignIds = 8;
-constexpr double kCoarseDecimation = 2.0;  ///< what it misses, a search of the parts with detail finds
+constexpr std::int64_t kFineSearchEvery = 8;  ///< searches without result: a fine one takes three times as long
+constexpr double kCoarseDecimation = 2.0;     ///< what it misses, a search of the parts with detail finds
 
 /// With it the smallest tag at that distance, seen squarely, is still found in a search of the whole picture.
 double acquisition_decimation(const TagTracker& tracker, double distance_m) {
@@ -116,6 +117,8 @@ ObservationResult LeaderObserver::observe_frame(const Frame& frame, const Detect
     ++whole_picture_searches_;
     searched_ = search_whole(image, frame.coarse_search);
     detected = track_detections(image, *searched_, Eigen::Vector2d::Zero(), FoundBy::frame);
+    if (detected.tags.empty() && search_finely(image, frame.coarse_search))
+      detected = track_detections(image, *searched_, Eigen::Vector2d::Zero(), FoundBy::frame);
   }
   detected.rejected = larger_of_each(detected.rejected, tracked.rejected);
   // A tag tracked up to the edge of the picture is too near to it for the detector: the first reason is the more
@@ -164,6 +167,17 @@ Detections LeaderObserver::search_whole(const ImageView& image, bool coarse) {
   return found;
 }
 
+/// A near tag that a highlight or a narrow ring disturbs is found at full resolution alone, and has not the detail by
+/// which a far one is found. So the whole picture is searched at full resolution too, at once after the leader was lost
+/// and then now and then. False if it was not.
+bool LeaderObserver::search_finely(const ImageView& image, bool coarse) {
+  if (coarse || config_.detector.decimation > 0.0 || searched_->input != Reason::none) return false;
+  if (fruitless_searches_++ % kFineSearchEvery != 0) return false;
+  searched_->merge(detector_.detect(image, 1.0), Eigen::Vector2d::Zero());
+  stopwatch_.lap(Stage::detect);
+  return true;
+}
+
 LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image, const Detections& detections,
                                                          const Eigen::Vector2d& origin_px, FoundBy found_by) {
   Attempt attempt;
@@ -196,7 +210,29 @@ LeaderObserver::Attempt LeaderObserver::track_detections(const ImageView& image,
       attempt.add(tracker_.track(image, prediction, {}, &stopwatch_));
     }
   }
+  if (attempt.tags.empty()) track_unsure(image, detections, origin_px, attempt);
   return attempt;
+}
+
+/// libapriltag reads with one threshold; what a highlight hides from it, a reading with the levels around each cell may
+/// show. What it says is no more than a place where to look: the gates are the same. Of an id that is there twice,
+/// neither is used.
+void LeaderObserver::track_unsure(const ImageView& image, const Detections& detections,
+                                  const Eigen::Vector2d& origin_px, Attempt& attempt) {
+  const auto has_id = [](const std::vector<TagDetection>& tags, int id) {
+    return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; });
+  };
+  for (const TagDetection& tag : detections.unsure) {
+    const std::optional<std::size_t> on_body = tracker_.find(tag.id);
+    if (!on_body || has_id(detections.unsure, tag.id) != 1 || has_id(detections.tags, tag.id) != 0) continue;
+    std::array<Eigen::Vector2d, 4> corners_px;
+    for (std::size_t i = 0; i < corners_px.size(); ++i) corners_px[i] = tag.corners_px[i] + origin_px;
+    const TagOutcome<TagMeasurement> outcome =
+        tracker_.track(image, tracker_.predict(*on_body, corners_px), {}, &stopwatch_);
+    if (!outcome) continue;  // refused once already
+    attempt.add(outcome);
+    --attempt.rejected.hamming;
+  }
 }
 
 void LeaderObserver::note_foreign(int id) {
@@ -249,6 +285,7 @@ ObservationResult LeaderObserver::measure(const Frame& frame, const Attempt& att
   if (!is_finite(filtered.fused)) return {std::nullopt, Reason::pose_refused, {}};
 
   // Accepted: state changes only here.
+  fruitless_searches_ = 0;
   const Observation observation = observation_of(frame.utime, attempt.found_by, attempt.tags, found, filtered);
   heading_ = heading;
   track_.update(observation.cMo, observation.measured.pose, attempt.tags.front().appearance, frame.utime);

@@ -10,10 +10,13 @@
 
 namespace pilotfish::vision {
 
-inline constexpr int kParameters = 16;
-enum Parameter : int { kB = 8, kC, kBx, kBy, kCx, kCy, kBlurU, kBlurV };
-using Normal = Eigen::Matrix<double, kParameters, kParameters>;
-using Parameters = Eigen::Matrix<double, kParameters, 1>;
+inline constexpr int kFlatParameters = 16;                   ///< of a flat tag
+inline constexpr int kBentParameters = kFlatParameters + 3;  ///< of a tag on a bent sheet
+enum Parameter : int { kB = 8, kC, kBx, kBy, kCx, kCy, kBlurU, kBlurV, kBend };
+template <int N>
+using NormalOf = Eigen::Matrix<double, N, N>;
+using Normal = NormalOf<kBentParameters>;
+using Parameters = Eigen::Matrix<double, kBentParameters, 1>;
 
 struct Fit {
   TagWarp warp;
@@ -28,7 +31,8 @@ struct Fit {
   }
 };
 
-/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are accepted.
+/// The least-squares problem at one point: J^T J, J^T r and r^T r over the pixels that are accepted. Of a flat tag only
+/// the first kFlatParameters rows and columns are used.
 struct NormalEquations {
   Normal information = Normal::Zero();
   Parameters gradient = Parameters::Zero();
@@ -38,14 +42,16 @@ struct NormalEquations {
 
 /// J and r, a row a sample. Single precision suffices: it affects the steps, but not the solution, where J^T r is zero.
 struct Rows {
-  Eigen::Matrix<float, TemplateSamples::kCapacity, kParameters> J;
+  Eigen::Matrix<float, TemplateSamples::kCapacity, kBentParameters> J;
   Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r;
 };
 
-/// Of the information, with a diagonal of ones: the parameters differ in size.
-inline Eigen::LDLT<Normal> scaled(const Normal& information, Parameters& scale) {
-  scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  return Eigen::LDLT<Normal>(scale.asDiagonal() * information * scale.asDiagonal());
+/// Of the first N rows and columns of the information, with a diagonal of ones: the parameters differ in size.
+template <int N>
+Eigen::LDLT<NormalOf<N>> scaled(const Normal& information, Eigen::Matrix<double, N, 1>& scale) {
+  const auto part = information.topLeftCorner<N, N>();
+  scale = part.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
+  return Eigen::LDLT<NormalOf<N>>(scale.asDiagonal() * part * scale.asDiagonal());
 }
 
 /// Input and scratch memory of one fit; some 100 kB, on the stack of register_tag().
@@ -58,6 +64,7 @@ struct Task {
   TemplateSamples samples;
   Rows rows;
   NormalEquations sum;
+  bool bent = false;  ///< whether the sheet's curvatures are fitted
 };
 
 }  // namespace pilotfish::vision

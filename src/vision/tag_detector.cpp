@@ -80,12 +80,11 @@ struct TagDetector::Library {
   std::vector<std::uint8_t> scratch;  ///< the picture, when libapriltag must not be given the caller's
 };
 
-bool Detections::is_unique(int id) const {
-  return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; }) == 1;
-}
+namespace {
 
-void Detections::merge(const Detections& other, const Eigen::Vector2d& origin_px) {
-  for (TagDetection tag : other.tags) {
+void merge_tags(const std::vector<TagDetection>& from, const Eigen::Vector2d& origin_px,
+                std::vector<TagDetection>& tags) {
+  for (TagDetection tag : from) {
     for (Eigen::Vector2d& corner : tag.corners_px) corner += origin_px;
     const auto middle = [](const TagDetection& t) -> Eigen::Vector2d {
       return 0.25 * (t.corners_px[0] + t.corners_px[1] + t.corners_px[2] + t.corners_px[3]);
@@ -99,6 +98,17 @@ void Detections::merge(const Detections& other, const Eigen::Vector2d& origin_px
     else
       tags.push_back(std::move(tag));
   }
+}
+
+}  // namespace
+
+bool Detections::is_unique(int id) const {
+  return std::count_if(tags.begin(), tags.end(), [id](const TagDetection& tag) { return tag.id == id; }) == 1;
+}
+
+void Detections::merge(const Detections& other, const Eigen::Vector2d& origin_px) {
+  merge_tags(other.tags, origin_px, tags);
+  merge_tags(other.unsure, origin_px, unsure);
   for (int id : other.refused_ids)
     if (std::find(refused_ids.begin(), refused_ids.end(), id) == refused_ids.end()) refused_ids.push_back(id);
   std::sort(refused_ids.begin(), refused_ids.end());
@@ -161,6 +171,7 @@ Detections TagDetector::detect_checked(const ImageView& image, double decimation
     if (tag.hamming > config_.max_hamming) {
       ++result.refused_hamming;
       result.refused_ids.push_back(tag.id);
+      if (tag.decision_margin >= config_.min_decision_margin) result.unsure.push_back(std::move(tag));
     } else if (tag.decision_margin < config_.min_decision_margin) {
       ++result.refused_margin;
       result.refused_ids.push_back(tag.id);
@@ -172,8 +183,9 @@ Detections TagDetector::detect_checked(const ImageView& image, double decimation
   const auto key = [](const TagDetection& tag) {
     return std::make_tuple(tag.id, -tag.decision_margin, tag.corners_px[0].x(), tag.corners_px[0].y());
   };
-  std::sort(result.tags.begin(), result.tags.end(),
-            [&key](const TagDetection& a, const TagDetection& b) { return key(a) < key(b); });
+  for (std::vector<TagDetection>* each : {&result.tags, &result.unsure})
+    std::sort(each->begin(), each->end(),
+              [&key](const TagDetection& a, const TagDetection& b) { return key(a) < key(b); });
   std::sort(result.refused_ids.begin(), result.refused_ids.end());
   return result;
 }

@@ -47,7 +47,7 @@ struct Shares {
 
 TagReading read_cells(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                       const Registration& registration, const LevelField* light) {
-  const TagWarp warp(camera, registration.nHt);
+  const TagWarp warp(camera, registration.nHt, registration.bend);
   const Appearance& appearance = registration.appearance;
   const Eigen::Matrix2d G2 = warp.flat_jacobian(Eigen::Vector2d::Zero()).inverse().cwiseAbs2();
   // Linear interpolation between pixels blurs a little more, by 1/6 px^2 on average.
@@ -110,7 +110,8 @@ TagReading read_tag(const ImageView& image, const CameraModel& camera, const Tag
   const TagReading reading = read_cells(image, camera, pattern, registration, nullptr);
   if (reading.wrong_bits == 0 && reading.wrong_frame_cells == 0) return reading;
   LevelField light;
-  if (!light.measure(image, camera, TagWarp(camera, registration.nHt), pattern, kLocalReach_cells, true))
+  if (!light.measure(image, camera, TagWarp(camera, registration.nHt, registration.bend), pattern, kLocalReach_cells,
+                     true))
     return reading;
   const TagReading locally = read_cells(image, camera, pattern, registration, &light);
   const auto wrong = [](const TagReading& r) { return r.wrong_bits + r.unread_bits + r.wrong_frame_cells; };

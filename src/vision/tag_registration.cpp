@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 
-#include "blurred_template.hpp"
 #include "corner_covariance.hpp"
+#include "linearize.hpp"
 #include "registration_task.hpp"
 #include "tag_warp.hpp"
 #include "template_samples.hpp"
@@ -36,15 +38,19 @@ constexpr double kMaxResidual_contrasts = 0.05;  ///< a fit on the wrong edges h
 constexpr double kMaxOutlierShare = 0.1;         ///< or more outliers among its samples
 constexpr double kMinNoise = 0.2;         ///< gray levels: even a perfect picture is rounded, and a sample is a mean
 constexpr double kNotConverged_px = 0.1;  ///< a last step of this length or more: it has not converged
-constexpr double kDenseBelow_px = 3.2;    ///< cells smaller than this are sampled pixel by pixel
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
 constexpr double kShapeError_px = 0.2;  ///< see shape_sigma_px
-constexpr double kOutlier_sigmas = 3.0;
-constexpr int kLitSteps = 10;        ///< a fit with local levels starts from levels that are rough
-constexpr double kLitFrom_px = 5.0;  ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
-constexpr double kLightReach = 0.6;  ///< cells: a cell's own gray counts four times as much as its neighbour's
-constexpr double kLitBetter = 0.8;   ///< a fit with local levels must leave less than this of the residual
+constexpr int kManySteps = 10;          ///< a fit with local levels or a bend starts from ones that are rough
+constexpr double kLitFrom_px = 5.0;   ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
+constexpr double kLightReach = 0.6;   ///< cells: a cell's own gray counts four times as much as its neighbour's
+constexpr double kLitBetter = 0.8;    ///< a fit with local levels must leave less than this of the residual
+constexpr double kBentBetter = 0.8;   ///< the same of a bent sheet
+constexpr double kBentFrom_px = 2.0;  ///< a side of a cell; below, a bend cannot be seen
+constexpr double kLikelyBend = 0.25, kLargestBend = 0.6;  ///< half the tag's side over the radius
+constexpr double kUselessResidual_contrasts = 0.12;
+constexpr double kInnerBetter = 0.8;  ///< the same without the outer edges
+constexpr double kAgree = 2.0;  ///< residuals that move the tag so many times as much as independent ones are none
 
 /// Side of a cell in pixels, along the axis of the tag that looks shorter.
 double smallest_cell_px(const TagWarp& warp, const TagPattern& pattern) {
@@ -71,81 +77,9 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
   return fit.appearance.contrast() > 0.0;
 }
 
-/// One pass over the samples: the place of each on the tag, its expected gray level there, and the derivatives.
-/// `blur_u`, `blur_v` [px^2] are what the template is blurred with, be it the picture's own blur or more.
-///
-/// `Lit`: the levels are those of the light field, and what the fit finds is added to them.
-template <int R, bool Lit>
-NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const TemplateSamples& samples, double blur_u,
-                          double blur_v, Rows& rows) {
-  const Eigen::Matrix3f H = fit.warp.matrix().cast<float>();
-  const Eigen::Matrix3f inverse = fit.warp.matrix().inverse().cast<float>();
-  const auto bu = static_cast<float>(blur_u), bv = static_cast<float>(blur_v);
-  const auto cell_side = static_cast<float>(pattern.cell_side);
-  const auto limit = static_cast<float>(fit.noise > 0.0 ? kOutlier_sigmas * fit.noise : 1e9);
-  const Eigen::Vector4f slope = fit.slopes().cast<float>();
-  const auto black = static_cast<float>(fit.appearance.black), contrast = static_cast<float>(fit.appearance.contrast());
-  Lanes squared_error = Lanes::Zero(), inliers = Lanes::Zero();
-  const Lanes lane = Lanes::LinSpaced(0.0F, 7.0F);
-  for (int block = 0; block < samples.blocks(); ++block) {
-    const int first = samples.lanes_begin(block);
-    const Lanes gu = samples.gu.segment<8>(first), gv = samples.gv.segment<8>(first);
-    const Lanes w = (inverse(2, 0) * gu + inverse(2, 1) * gv + inverse(2, 2)).inverse();
-    const Lanes x = (inverse(0, 0) * gu + inverse(0, 1) * gv + inverse(0, 2)) * w;
-    const Lanes y = (inverse(1, 0) * gu + inverse(1, 1) * gv + inverse(1, 2)) * w;
-    // ds / dg, and the blur carried to the tag by it.
-    const Lanes x_u = (inverse(0, 0) - x * inverse(2, 0)) * w, x_v = (inverse(0, 1) - x * inverse(2, 1)) * w;
-    const Lanes y_u = (inverse(1, 0) - y * inverse(2, 0)) * w, y_v = (inverse(1, 1) - y * inverse(2, 1)) * w;
-    const Lanes xu2 = x_u * x_u, xv2 = x_v * x_v, yu2 = y_u * y_u, yv2 = y_v * y_v;
-    const Whiteness T = blurred_template<R>(samples, first, x, y, xu2 * bu + xv2 * bv, yu2 * bu + yv2 * bv, cell_side);
-
-    Lanes B = black + slope[0] * x + slope[1] * y, C = contrast + slope[2] * x + slope[3] * y;
-    if constexpr (Lit) {
-      B += samples.black.segment<8>(first);
-      C += samples.white.segment<8>(first) - samples.black.segment<8>(first);
-    }
-    const Lanes error = samples.gray.segment<8>(first) - (B + C * T.value);
-    // One for a sample that is accepted, else zero; the padding of the last block is none.
-    const Lanes used =
-        ((error.abs() <= limit) && (lane < static_cast<float>(samples.count - first))).select(Lanes::Ones(), 0.0F);
-    const Lanes uC = used * C, inverse_D = (H(2, 0) * x + H(2, 1) * y + 1.0F).inverse();
-    const Lanes a_u = -uC * (T.dx * x_u + T.dy * y_u) * inverse_D, a_v = -uC * (T.dx * x_v + T.dy * y_v) * inverse_D;
-    const Lanes c = -(a_u * gu + a_v * gv);
-    const auto column = [&](int i) { return rows.J.col(i).segment<8>(first).array(); };
-    column(0) = a_u * x;
-    column(1) = a_u * y;
-    column(2) = a_u;
-    column(3) = a_v * x;
-    column(4) = a_v * y;
-    column(5) = a_v;
-    column(6) = c * x;
-    column(7) = c * y;
-    column(kB) = used;
-    column(kC) = used * T.value;
-    column(kBx) = used * x;
-    column(kBy) = used * y;
-    column(kCx) = column(kC) * x;
-    column(kCy) = column(kC) * y;
-    column(kBlurU) = uC * (T.dvx * xu2 + T.dvy * yu2);
-    column(kBlurV) = uC * (T.dvx * xv2 + T.dvy * yv2);
-    rows.r.segment<8>(first) = (used * error).matrix();
-    squared_error += used * error * error;
-    inliers += used;
-  }
-  const int count = samples.lanes_begin(samples.blocks());
-  const auto J = rows.J.topRows(count);
-  Eigen::Matrix<float, kParameters, kParameters> information;
-  information.noalias() = J.transpose() * J;
-  NormalEquations sum;
-  sum.information = information.cast<double>();
-  sum.gradient = (J.transpose() * rows.r.head(count)).cast<double>();
-  sum.squared_error = squared_error.sum();
-  sum.inliers = static_cast<int>(inliers.sum());
-  return sum;
-}
-
 /// Prior knowledge: paper is lit evenly to some 20 % of its contrast, and a camera's blur stays what
-/// it was to 1 px^2. Without it the pixels of a very small tag could not determine 16 numbers.
+/// it was to 1 px^2. Without it the pixels of a very small tag could not determine 16 numbers. A sheet that is bent
+/// more than to four times the tag's half side is rare.
 void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEquations& sum) {
   const double slope_weight = std::pow(noise / (0.2 * std::max(fit.appearance.contrast(), 1.0)), 2);
   const Eigen::Vector4d slopes = fit.slopes();
@@ -158,10 +92,17 @@ void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEqua
   sum.information(kBlurV, kBlurV) += blur_weight;
   sum.gradient[kBlurU] -= blur_weight * (fit.appearance.blur_u_px2 - start.blur_u_px2);
   sum.gradient[kBlurV] -= blur_weight * (fit.appearance.blur_v_px2 - start.blur_v_px2);
+  const double bend_weight = std::pow(noise / kLikelyBend, 2);
+  for (int i = 0; i < 3; ++i) {
+    sum.information(kBend + i, kBend + i) += bend_weight;
+    sum.gradient[kBend + i] -= bend_weight * fit.warp.bend[i];
+  }
 }
 
 void apply(const Parameters& step, bool with_blur, Fit& fit) {
   fit.warp.h += step.head<8>();
+  fit.warp.bend = (fit.warp.bend + step.segment<3>(kBend)).cwiseMax(-kLargestBend).cwiseMin(kLargestBend);
+  if (fit.warp.is_bent()) fit.warp.aim_normal();
   fit.appearance.black += step[kB];
   fit.appearance.white += step[kB] + step[kC];
   fit.appearance.black_slope += step.segment<2>(kBx);
@@ -185,6 +126,16 @@ double shape_sigma_px(const Appearance& appearance, double cell_px) {
   return kShapeError_px * std::min(blur_cells2, 1.0);
 }
 
+/// The step to the minimum of the first N parameters; the others stay.
+template <int N>
+Parameters solved(const NormalEquations& sum) {
+  Eigen::Matrix<double, N, 1> scale;
+  const Eigen::LDLT<NormalOf<N>> solver = scaled<N>(sum.information, scale);
+  Parameters step = Parameters::Zero();
+  step.head<N>() = scale.cwiseProduct(solver.solve(scale.cwiseProduct(sum.gradient.head<N>())));
+  return step;
+}
+
 /// One Gauss-Newton step; how far it moved the corners [px], or NaN. `extra_blur_px2` is what the samples are blurred
 /// with beyond the picture's own blur, which only a `fine` step changes.
 double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
@@ -193,12 +144,16 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
   const auto passed = [&](const auto& pass) {
     return pass(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
   };
-  if (task.samples.light != nullptr)
-    sum = task.samples.reach == 1 ? passed(linearize<1, true>) : passed(linearize<2, true>);
+  const bool near = task.samples.reach == 1;
+  if (task.bent)
+    sum = near ? passed(linearize<1, false, true>) : passed(linearize<2, false, true>);
+  else if (task.samples.light != nullptr)
+    sum = near ? passed(linearize<1, true, false>) : passed(linearize<2, true, false>);
   else
-    sum = task.samples.reach == 1 ? passed(linearize<1, false>) : passed(linearize<2, false>);
-  if (sum.inliers < 2 * kParameters) return std::nan("");
-  fit.noise = std::max(kMinNoise, std::sqrt(sum.squared_error / (sum.inliers - kParameters)));
+    sum = near ? passed(linearize<1, false, false>) : passed(linearize<2, false, false>);
+  const int parameters = task.bent ? kBentParameters : kFlatParameters;
+  if (sum.inliers < 2 * parameters) return std::nan("");
+  fit.noise = std::max(kMinNoise, std::sqrt(sum.squared_error / (sum.inliers - parameters)));
   fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / task.samples.count;
   add_prior(fit, task.expected, fit.noise, sum);
   if (!fine)
@@ -208,9 +163,7 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
       sum.information(i, i) = 1.0;
       sum.gradient[i] = 0.0;
     }
-  Parameters scale;
-  const Eigen::LDLT<Normal> solver = scaled(sum.information, scale);
-  const Parameters step = scale.cwiseProduct(solver.solve(scale.cwiseProduct(sum.gradient)));
+  const Parameters step = task.bent ? solved<kBentParameters>(sum) : solved<kFlatParameters>(sum);
   if (!step.allFinite()) return std::nan("");
   const TagWarp before = fit.warp;
   apply(step, fine, fit);
@@ -253,13 +206,15 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   take(task.cell_px > kLargeCell_px ? kManySamples : kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
-  for (int i = 0; i < (task.samples.light != nullptr ? kLitSteps : 6); ++i) {
+  for (int i = 0; i < (task.samples.light != nullptr || task.bent ? kManySteps : 6); ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return false;
     if (move_px < kConverged_px) return true;
   }
   return move_px < kNotConverged_px;
 }
+
+double unexplained(const Fit& fit) { return fit.noise * (1.0 + fit.outlier_share); }
 
 /// The same in uneven light: a shadow's edge, a reflection. Only where cells are large enough for their middles to show
 /// their levels, and for an edge of light to lie apart from theirs. False if it does not converge, or explains the
@@ -280,13 +235,70 @@ bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
   fit.appearance.black_slope += levels.black_slope;
   fit.appearance.contrast_slope += levels.contrast_slope;
   if (!settled) return false;
-  return plain == nullptr ||
-         fit.noise * (1.0 + fit.outlier_share) < kLitBetter * plain->noise * (1.0 + plain->outlier_share);
+  return plain == nullptr || unexplained(fit) < kLitBetter * unexplained(*plain);
+}
+
+/// The same for a sheet that is bent, from `plain` or, if that is none, from `fit` as it is. False if it does not
+/// converge or explains the picture hardly better.
+bool settle_bent(Task& task, const Fit* plain, Fit& fit) {
+  if (task.cell_px < kBentFrom_px) return false;
+  task.bent = true;
+  fit.warp.aim_normal();
+  const Fit start = fit;
+  bool settled = (plain != nullptr || fit.warp.is_bent()) && settle(task, true, fit);
+  if (!settled) {
+    fit = start;
+    settled = pull_in(task, fit) && settle(task, true, fit);
+  }
+  task.bent = false;
+  return settled && (plain == nullptr || unexplained(fit) < kBentBetter * unexplained(*plain));
+}
+
+/// The same without the outer edges: on a print that is cut close to them something dark lies where white is expected.
+/// Pixel by pixel the inner edges are few, and worth less than a dark rim costs until the fit is of no use with it.
+bool settle_inside(Task& task, const Fit* plain, Fit& fit) {
+  if (plain != nullptr && task.cell_px < kDenseBelow_px &&
+      plain->noise < kUselessResidual_contrasts * plain->appearance.contrast())
+    return false;
+  task.samples.inner_only = true;
+  const bool settled = settle(task, plain != nullptr, fit) || (pull_in(task, fit) && settle(task, true, fit));
+  task.samples.inner_only = false;
+  return settled && (plain == nullptr || unexplained(fit) < kInnerBetter * unexplained(*plain));
 }
 
 /// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
 bool explains(const Fit& fit) {
   return fit.noise < kMaxResidual_contrasts * fit.appearance.contrast() && fit.outlier_share < kMaxOutlierShare;
+}
+
+/// What may explain a picture that a flat, evenly lit tag with a white ring does not.
+enum class Model { bent, inside, lit };
+
+/// Tries `models` from `start` and takes the one that leaves the least of the picture unexplained, if there is one that
+/// is better than `plain`. `task` then holds its normal equations.
+bool settle_best(std::initializer_list<Model> models, Task& task, const Fit* plain, const Fit& start, Fit& fit) {
+  LevelField light;
+  const auto settle_as = [&](Model model, const Fit* than, Fit& each) {
+    if (model == Model::bent) return settle_bent(task, than, each) && explains(each);
+    if (model == Model::inside) return settle_inside(task, than, each) && explains(each);
+    return settle_lit(task, light, than, each);
+  };
+  const Fit from = start;
+  const Fit flat = plain != nullptr ? *plain : start;
+  std::optional<Model> best;
+  for (Model model : models) {
+    Fit each = from;
+    if (!settle_as(model, plain != nullptr ? &flat : nullptr, each)) continue;
+    if (best && unexplained(each) >= unexplained(fit)) continue;
+    fit = each;
+    best = model;
+  }
+  if (!best) return false;
+  if (*best == *(models.end() - 1)) return true;
+  Fit again = fit;
+  if (!settle_as(*best, nullptr, again)) return false;
+  fit = again;
+  return true;
 }
 
 }  // namespace
@@ -306,21 +318,31 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
     near = fit;
     const bool settled = pull_in(task, near) && settle(task, true, near);
     if (!settled || !explains(near)) {
-      LevelField light;
-      Fit lit = settled ? near : fit;
-      if (settle_lit(task, light, settled ? &near : nullptr, lit))
-        near = lit;
-      else if (!settled || !settle(task, true, near))  // once more, for its normal equations
+      const Fit* plain = settled ? &near : nullptr;
+      const Fit from = settled ? near : fit;
+      Fit anew = fit;
+      if (settle_best({Model::bent, Model::inside, Model::lit}, task, plain, from, near)) {
+      } else if (settled && settle_bent(task, nullptr, anew) && explains(anew)) {
+        near = anew;
+      } else if (!settled || !settle(task, true, near)) {  // once more, for its normal equations
         return std::nullopt;
+      }
     }
   }
   if (!(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
+  CornerCovariance covariance = corner_covariance(camera, near, task);
+  // What moves all of its parts one way is no noise: a bend, or something dark beside the outer edges.
+  if (covariance.agreement > kAgree && !near.warp.is_bent()) {
+    const Fit plain = near;
+    if (settle_best({Model::bent}, task, &plain, plain, near)) covariance = corner_covariance(camera, near, task);
+  }
   fit = near;
 
   Registration found;
   found.nHt = fit.warp.nHt();
-  found.corners_px = tag_corners_px(camera, fit.warp);
-  found.covariance_px2 = corner_covariance(camera, fit, task);
+  found.bend = fit.warp.bend;
+  found.corners_px = tag_corners_px(camera, fit.warp.tangent());
+  found.covariance_px2 = covariance.px2;
   const double shape_px = shape_sigma_px(fit.appearance, cell_px);
   found.covariance_px2.diagonal().array() += shape_px * shape_px;
   found.appearance = fit.appearance;

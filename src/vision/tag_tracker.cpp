@@ -10,6 +10,7 @@
 #include "tag_reading.hpp"
 #include "tag_search.hpp"
 #include "tag_warp.hpp"
+#include "template_samples.hpp"
 
 namespace pilotfish::vision {
 namespace {
@@ -17,8 +18,10 @@ namespace {
 constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not attempted
 constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
 constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
-constexpr double kMinMargin_px = 1.0;     ///< of the corners from the picture's edge
-constexpr double kMaxUnread = 0.2;        ///< share of the bits that light may hide: 36h11 differs in 11 of 36
+/// A small tag is compared pixel by pixel, a larger one by means of 3 x 3, which leave less of what is not explained.
+constexpr double kPixelResidual = 1.6;
+constexpr double kMinMargin_px = 1.0;  ///< of the corners from the picture's edge
+constexpr double kMaxUnread = 0.2;     ///< share of the bits that light may hide: 36h11 differs in 11 of 36
 constexpr double kMaxUnreadOutside = 1.0 - TagTracker::kMinBitsInside;  ///< of a tag that was there just before
 
 bool are_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
@@ -141,8 +144,8 @@ TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t 
   if (reading.decision_margin < min_decision_margin_)
     return {TagRefusal::margin, at_least("contrast", reading.decision_margin, min_decision_margin_, "gray levels")};
   const double residual = fit.residual_rms / fit.appearance.contrast();
-  if (!(residual <= gates_.max_normalised_residual))
-    return {TagRefusal::residual, at_most("normalised residual", residual, gates_.max_normalised_residual)};
+  const double most = (fit.cell_px < kDenseBelow_px ? kPixelResidual : 1.0) * gates_.max_normalised_residual;
+  if (!(residual <= most)) return {TagRefusal::residual, at_most("normalised residual", residual, most)};
   if (fit.outlier_share > kMaxOutliers)
     return {TagRefusal::residual, at_most("outlier share", fit.outlier_share, kMaxOutliers)};
 

@@ -61,7 +61,9 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
   const int most = std::max(1, wanted / static_cast<int>(pattern.edges.size()));
   const bool bent = camera.has_distortion();
   int turn = 0;
+  const double outermost = samples.inner_only ? 1.0 - 0.5 * pattern.cell_side : 2.0;
   for (const TagPattern::Edge& edge : pattern.edges) {
+    if (edge.middle.cwiseAbs().maxCoeff() > outermost) continue;
     const Eigen::Vector2d g_middle = warp.flat(edge.middle);
     const Eigen::Matrix2d J = warp.flat_jacobian(edge.middle);
     const int along = edge.vertical ? 1 : 0;
@@ -100,7 +102,7 @@ void take_along_edges(const ImageView& image, const CameraModel& camera, const T
 void take_pixels(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
                  TemplateSamples& samples) {
   samples.count = 0;
-  const double reach = 1.0 + 0.5 * pattern.cell_side;
+  const double reach = 1.0 + (samples.inner_only ? -0.5 : 0.5) * pattern.cell_side;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   const std::array<Eigen::Vector2d, 4> rim = tag_corners_px(camera, warp, reach);
   for (const Eigen::Vector2d& corner : rim) {
@@ -123,7 +125,7 @@ void take_pixels(const ImageView& image, const CameraModel& camera, const TagWar
       // almost linear from pixel to pixel.
       for (int step = 0; step < (u == std::ceil(low.x()) ? 5 : 1); ++step)
         g += warp.pixel_jacobian(camera, g).inverse() * (Eigen::Vector2d(u, v) - warp.pixel(camera, g));
-      const Eigen::Vector2d tag = (tag_from_flat * g.homogeneous()).hnormalized();
+      const Eigen::Vector2d tag = warp.tag(tag_from_flat, g);
       if (!(tag.cwiseAbs().maxCoeff() <= reach) || samples.count >= TemplateSamples::kCapacity) continue;
       if (std::fmod(kGoldenSection * turn++, 1.0) >= kept_share) continue;
       add(samples, pattern, g, tag,

@@ -22,6 +22,7 @@ struct TemplateSamples {
   int reach = 1;                           ///< R: the template is known (2R + 1) x (2R + 1) cells around each sample
   Column gu, gv;                           ///< where the sample lies in the flat picture, see TagWarp
   Column gray;                             ///< [gray levels]
+  bool inner_only = false;                 ///< no outer edges: the print may be cut close to them
   const LevelField* light = nullptr;       ///< if there is one: levels that differ from place to place
   Column black, white;                     ///< levels at the sample by `light` [gray levels]
   Column column_x, row_y;                  ///< middle of the sample's own cell, in tag coordinates
@@ -30,6 +31,9 @@ struct TemplateSamples {
   int lanes_begin(int block) const { return block * static_cast<int>(Lanes::SizeAtCompileTime); }
   int blocks() const { return (count + static_cast<int>(Lanes::SizeAtCompileTime) - 1) / Lanes::SizeAtCompileTime; }
 };
+
+/// Cells smaller than this are sampled pixel by pixel.
+inline constexpr double kDenseBelow_px = 3.2;
 
 /// A sample along edges is the mean of 3 x 3 pixels, weighted (1 2 1)/4 along rows and columns. Whatever shape a
 /// camera's own blur has (square pixels, a digital sharpener), together with this it is nearly the Gaussian that the

@@ -11,16 +11,16 @@ from bench.vision import printed_sheet
 from bench.vision.chains import figures_in, off_by
 from bench.vision.conditions import CONDITIONS, SHEET, TYPICAL
 from bench.vision.ours import Ours
-from bench.vision.scenes import LEADER, VGA, tag_pose
+from bench.vision.scenes import LEADER, VGA, corners_px, tag_pose
 from pilotfish import core, vision
 
 CONDITION = {condition.name: condition for condition in CONDITIONS}
 
 
-def photograph(cMt, seed=1, chain=TYPICAL, lighting=None):
+def photograph(cMt, seed=1, chain=TYPICAL, lighting=None, sheet=SHEET):
     rng = np.random.default_rng(seed)
     light = printed_sheet.backdrop(VGA, rng)[:, : VGA.width].copy()
-    printed_sheet.show(light, VGA, cMt, SHEET, lighting)
+    printed_sheet.show(light, VGA, cMt, sheet, lighting)
     return chain.photograph(light, rng)
 
 
@@ -60,6 +60,47 @@ def test_a_shadow_across_the_tag_does_not_hide_it(name, distance_m):
 @pytest.mark.parametrize("distance_m", [0.65, 1.1, 2.44])
 def test_a_white_ring_of_half_a_cell_is_enough(name, distance_m):
     assert followed(name, distance_m).seen == 1.0
+
+
+@pytest.mark.parametrize(("yaw_deg", "distance_m"), [(-30, 0.65), (0, 0.65), (30, 0.65), (-30, 1.1), (20, 1.1)])
+def test_a_bent_sheet_is_measured_where_its_middle_is(yaw_deg, distance_m):
+    # A radius of 0.35 m moves the sides of the tag back by 9 mm: seen at 30 degrees, by a quarter of a cell.
+    cMt = tag_pose(distance_m, yaw_rad=np.radians(yaw_deg))
+    image = photograph(cMt, seed=9, sheet=CONDITION["curved"].sheet)
+    answer = Ours(VGA, LEADER, tracking=False).track(image, 1)
+    assert answer.cMt is not None
+    off = np.abs(off_by(answer.claim, cMt))
+    assert off[0] < 0.01 * distance_m
+    assert np.all(off < 5.0 * np.sqrt(np.diag(answer.claim.covariance)))
+
+
+def test_the_bend_of_a_sheet_is_half_the_tag_over_its_radius():
+    cMt = tag_pose(0.65, yaw_rad=0.3)
+    tracker = vision.TagTracker(camera=VGA, body=LEADER)
+    place = tracker.predict_at(SHEET.tag_id, corners_px=corners_px(VGA, cMt)).nHt
+    bent = tracker.align(photograph(cMt, sheet=CONDITION["curved"].sheet), SHEET.tag_id, nHt=place)
+    # Bent about the upright axis alone, away from the camera, into which z points: 0.08 m / 0.35 m.
+    assert bent.bend.ravel() == pytest.approx([0.08 / 0.35, 0.0, 0.0], abs=0.02)
+    assert np.array_equal(tracker.align(photograph(cMt), SHEET.tag_id, nHt=place).bend.ravel(), np.zeros(3))
+
+
+def test_a_ring_of_a_third_of_a_cell_before_something_dark_does_not_hide_a_far_tag():
+    # At 2.44 m a third of a cell are 1.6 px: the blur mixes what lies beyond into every pixel of the outer edges.
+    sheet = dataclasses.replace(SHEET, ring_cells=0.33, board=0.04)
+    for yaw_deg in (-20, 0, 20):
+        cMt = tag_pose(2.44, yaw_rad=np.radians(yaw_deg))
+        answer = Ours(VGA, LEADER, tracking=False).track(photograph(cMt, seed=5, sheet=sheet), 1)
+        assert answer.cMt is not None
+        off = np.abs(off_by(answer.claim, cMt))
+        assert np.all(off < 5.0 * np.sqrt(np.diag(answer.claim.covariance)))
+
+
+def test_a_far_print_on_which_white_bleeds_into_black_is_read_at_a_slant():
+    # Exposed three times too long, seen at 50 degrees: cells of 3 px, compared pixel by pixel.
+    chain = CONDITION["white-out"].chain
+    for yaw_deg in (-50, 50):
+        cMt = tag_pose(2.44, yaw_rad=np.radians(yaw_deg))
+        assert Ours(VGA, LEADER, tracking=False).track(photograph(cMt, chain=chain), 1).cMt is not None
 
 
 def test_a_tag_that_is_followed_is_used_while_it_is_partly_outside():

@@ -98,7 +98,7 @@ class LeaderObserver {
 
   template <class Self, class Archive>
   static void remember(Self& self, Archive& archive) {  ///< see core/checkpoint.hpp; without counters and times
-    archive(self.track_, self.heading_);
+    archive(self.track_, self.heading_, self.fruitless_searches_);
   }
 
  private:
@@ -120,6 +120,9 @@ class LeaderObserver {
   /// `origin_px`: the origin, in the picture, of the part that the detections refer to.
   Attempt track_detections(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
                            FoundBy found_by);
+  void track_unsure(const ImageView& image, const Detections& detections, const Eigen::Vector2d& origin_px,
+                    Attempt& attempt);
+  bool search_finely(const ImageView& image, bool coarse);
   void note_foreign(int id);
   ObservationResult conclude(const Frame& frame, Attempt& attempt,
                              const std::optional<Eigen::Isometry3d>& predicted_cMo);
@@ -135,6 +138,7 @@ class LeaderObserver {
   HeadingFilter heading_;
   RejectionCounters rejected_;
   std::int64_t whole_picture_searches_ = 0;
+  std::int64_t fruitless_searches_ = 0;  ///< since the leader was last seen
   std::vector<int> foreign_ids_;
   std::optional<Detections> searched_;  ///< of the last frame
   StageStopwatch stopwatch_;

@@ -33,11 +33,12 @@ struct TagDetectorConfig {
 
 /// Tags found and what was refused, by gate.
 struct Detections {
-  Reason input = Reason::none;     ///< why the picture was not searched
-  std::vector<TagDetection> tags;  ///< sorted by id, then by decision margin (best first)
-  std::vector<int> refused_ids;    ///< of the tags that a gate refused, sorted
-  int refused_hamming = 0;         ///< number of tags with more corrected bits than max_hamming
-  int refused_margin = 0;          ///< number of tags with a decision margin below min_decision_margin
+  Reason input = Reason::none;       ///< why the picture was not searched
+  std::vector<TagDetection> tags;    ///< sorted by id, then by decision margin (best first)
+  std::vector<TagDetection> unsure;  ///< refused for wrong bits alone: a closer look may read them, see LeaderObserver
+  std::vector<int> refused_ids;      ///< of the tags that a gate refused, sorted
+  int refused_hamming = 0;           ///< number of tags with more corrected bits than max_hamming
+  int refused_margin = 0;            ///< number of tags with a decision margin below min_decision_margin
 
   /// Adds those of another search of the same picture, of which `origin_px` was the first pixel. A tag that both found
   /// counts once, with the corners of the finer search, `other`.

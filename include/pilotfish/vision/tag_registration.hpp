@@ -32,8 +32,12 @@ struct Appearance {
 /// A known template, laid over a picture so that it fits best.
 struct Registration {
   /// Tag coordinates (x, y, 1) to the undistorted image plane Z = 1 (homogeneous).
+  /// Of a bent sheet: of the plane that touches it in the middle of the tag.
   Eigen::Matrix3d nHt = Eigen::Matrix3d::Identity();
-  std::array<Eigen::Vector2d, 4> corners_px;   ///< of the square, in the picture as it is; AprilTag's order
+  /// Curvatures of the sheet, xx, xy and yy, in half sides of the tag over the radius; zero for a flat one.
+  Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  /// Of the square, in the picture as it is; AprilTag's order. Of a bent sheet: where they were if it were flat.
+  std::array<Eigen::Vector2d, 4> corners_px;
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of (u0, v0, u1, v1, ...), from the measured noise
   Appearance appearance;                       ///< gray levels and blur
   double cell_px = 0.0;                        ///< shorter side of a cell
