@@ -36,7 +36,7 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
     // ds / dg, and the blur carried to the tag by it.
     Lanes x_u = (inverse(0, 0) - x * inverse(2, 0)) * w, x_v = (inverse(0, 1) - x * inverse(2, 1)) * w;
     Lanes y_u = (inverse(1, 0) - y * inverse(2, 0)) * w, y_v = (inverse(1, 1) - y * inverse(2, 1)) * w;
-    [[maybe_unused]] BentLanes::Place place;
+    BentLanes::Place place;
     if constexpr (Bent) {
       place = sheet.find(gu, gv, x, y);
       x_u = place.x_u, x_v = place.x_v, y_u = place.y_u, y_v = place.y_v;
@@ -54,14 +54,15 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
     const Lanes used =
         ((error.abs() <= limit) && (lane < static_cast<float>(samples.count - first))).select(Lanes::Ones(), 0.0F);
     // On the tangent plane: there a flat tag has its points themselves.
-    Lanes X = x, Y = y, inverse_D;
+    Lanes inverse_D;
     if constexpr (Bent) {
-      X = place.X;
-      Y = place.Y;
       inverse_D = place.inverse_D;
     } else {
       inverse_D = (H(2, 0) * x + H(2, 1) * y + 1.0F).inverse();
+      place.X = x;
+      place.Y = y;
     }
+    const Lanes &X = place.X, &Y = place.Y;
     const Lanes uC = used * C;
     const Lanes a_u = -uC * (T.dx * x_u + T.dy * y_u) * inverse_D, a_v = -uC * (T.dx * x_v + T.dy * y_v) * inverse_D;
     const Lanes c = -(a_u * gu + a_v * gv);
