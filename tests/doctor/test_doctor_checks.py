@@ -145,6 +145,14 @@ def test_a_program_must_start_and_be_of_this_version(machine, answer, verdict, w
     assert words in found.seen
 
 
+def test_a_program_that_does_not_answer_in_time_is_no_older_version(machine, tmp_path):
+    (tmp_path / "pilotfish-x").write_text("")
+    host = machine(**{"pilotfish-x": None})
+    found = programs.check_program(host, "pilotfish-x", True, find=lambda name: tmp_path / name, version="1.2.3")
+    assert found.verdict is Verdict.note
+    assert "did not answer in time" in found.seen
+
+
 # --- devices ----------------------------------------------------------------------------------------------------------
 def test_cameras_are_named_and_one_without_permission_is_wrong(machine):
     files = {"dev/video0": "", "dev/video1": "", "sys/class/video4linux/video0/name": "Eye 3000\n"}

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pilotfish.plots.thinned import thinned
+from pilotfish.plots.thinned import alone, thinned
 
 VALUES = st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(float("nan"))), min_size=1, max_size=400)
 
@@ -43,3 +43,11 @@ def test_a_curve_is_broken_where_something_is_unknown_and_only_there(values):
 def test_silence_breaks_a_curve_and_slow_frames_do_not():
     time_s = np.array([0.0, 0.4, 0.8, 2.0, 2.4])
     assert np.isnan(thinned(time_s, np.ones(5))[1]).tolist() == [False, False, False, True, False, False]
+
+
+def test_a_sample_between_two_breaks_is_alone_and_drawn_as_a_dot():
+    nan = np.nan
+    values = np.array([1.0, nan, 2.0, 3.0, nan, 4.0])
+    time_s, kept = thinned(np.arange(6) * 0.03, values)
+    assert alone(time_s, kept)[1].tolist() == [1.0, 4.0]
+    assert alone(*thinned(np.arange(3) * 0.03, np.ones(3)))[1].tolist() == []

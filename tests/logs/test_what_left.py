@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from recordings import LOST, NO_FRAME, TRACKING, Writer
 
 from pilotfish import core
+from pilotfish.errors import RecordingError
 from pilotfish.lcmtypes.pilotfish import step_t
 from pilotfish.logs import read_run
 
@@ -62,3 +64,15 @@ def test_a_status_that_was_not_heard_is_that_of_the_answer(tmp_path):
     writer.write("OBSERVATION", writer.observation(1.0))
     frames = read_run(writer.file).robots["robot1"].frames
     assert frames.words("status").tolist() == ["tracking"]
+
+
+def test_a_coordinator_that_never_had_a_picture_is_no_run_to_draw(tmp_path):
+    """Without one it says nothing of frames but zeros, with a stamp of 0, and its status when it is stopped."""
+    writer = Writer(tmp_path / "run.log")
+    writer.stamp_us = 0
+    for _ in range(3):
+        writer.command(LOST, NO_FRAME, linear_mps=0.0)
+    writer.write("OBSERVATION", writer.observation(None))
+    writer.write("STATUS", writer.status(None))
+    with pytest.raises(RecordingError, match="no frame of a coordinator in it"):
+        read_run(writer.file).recorded_coordinators()

@@ -104,6 +104,9 @@ def replay(
     return run.report
 
 
+_OTHER_BUILD = "another build of the program made the recording: what it remembers has another size"
+
+
 @dataclass(frozen=True)
 class _Traced:
     """The frame whose command was the first to differ; what was published of it follows in the recording."""
@@ -143,7 +146,12 @@ class _Run:
         recorded = (bytes(message.decisions), bytes(message.vision))
         if message.sequence == 0 and self._core.memory != recorded:
             self._differs(
-                event, "the coordinator at the start", message.robot, _size(recorded), _size(self._core.memory)
+                event,
+                "the coordinator at the start",
+                message.robot,
+                _size(recorded),
+                _size(self._core.memory),
+                None if _size(recorded) == _size(self._core.memory) else _OTHER_BUILD,
             )
         try:
             self._core.memory = recorded

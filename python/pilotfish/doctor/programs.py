@@ -30,6 +30,8 @@ def check_program(
         advice = "install the package pilotfish, or build it: scripts/build"
         return wrong(name, "not found", advice) if needed else note(name, "not found")
     shown = host.run([file, "--version"])
+    if shown is None and file.is_file():
+        return note(name, f"{file} --version did not answer in time", "look again when the computer is less busy")
     if shown is None or shown.returncode != 0:
         said = (shown.stderr.strip().splitlines() or ["nothing"])[-1] if shown else "nothing"
         advice = f"an older version, or a library is missing ({shlex.join(['ldd', str(file)])})"

@@ -85,8 +85,8 @@ class Run:
 
     @property
     def coordinators(self) -> list[RobotRun]:
-        """The robots whose coordinators are in it."""
-        return [robot for robot in self.robots.values() if len(robot.frames)]
+        """The robots whose coordinators are in it, and had a picture at least."""
+        return [robot for robot in self.robots.values() if (robot.frames["utime_us"] > 0).any()]
 
     def recorded_coordinators(self) -> list[RobotRun]:
         """The same; RecordingError, which says what there is instead, if there are none."""

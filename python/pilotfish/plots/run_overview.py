@@ -15,7 +15,7 @@ from pilotfish.plots.run_lines import run_lines
 from pilotfish.plots.status_band import draw_status_band, status_stretches
 from pilotfish.plots.status_colours import STATUS_COLOURS
 from pilotfish.plots.style import LIGHT, Theme, style
-from pilotfish.plots.thinned import thinned
+from pilotfish.plots.thinned import alone, thinned
 from pilotfish.plots.traces import MIN_SHOWN_MM, RMS_WINDOW_S, logarithmic_mm, running_rms
 from pilotfish.recording import FloatArray, wrap_angle
 
@@ -58,7 +58,11 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
             if "RMS" not in label:
                 axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
             for name, run in runs.items():
-                axes.plot(*thinned(_times(run, runs), values(run.frames)), **lines[name], label=name)
+                curve = thinned(_times(run, runs), values(run.frames))
+                (line,) = axes.plot(*curve, **lines[name], label=name)
+                dots = alone(*curve)
+                if len(dots[0]):
+                    axes.plot(*dots, ".", markersize=3.0, color=line.get_color())
             axes.set_ylabel(label)
         panels[1].set_ylim(*_limits_mm([rms_error_mm(run.frames) for run in runs.values()]))
         logarithmic_mm(panels[1])

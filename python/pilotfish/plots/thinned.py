@@ -25,6 +25,13 @@ def thinned(time_s: FloatArray, values: FloatArray, buckets: int = BUCKETS) -> t
     return np.insert(time_s[kept], at, np.nan), np.insert(values[kept], at, np.nan)
 
 
+def alone(time_s: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Of a thinned curve the samples between two breaks, of which a line shows nothing: to be drawn as dots."""
+    known = np.concatenate([[False], np.isfinite(values), [False]])
+    single = known[1:-1] & ~known[:-2] & ~known[2:]
+    return time_s[single], values[single]
+
+
 def _extremes(values: FloatArray, known: NDArray[np.bool_], buckets: int) -> NDArray[np.intp]:
     edges = np.linspace(0, len(values), buckets + 1).astype(int)
     kept: set[int] = set()
