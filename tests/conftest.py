@@ -9,6 +9,7 @@ import pytest
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.get_closest_marker("builds") is None)  # stable
     if "PILOTFISH_SANITIZED" not in os.environ:
         return
     for item in items:

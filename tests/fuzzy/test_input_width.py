@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from pilotfish import fuzzy
 
+pytestmark = pytest.mark.builds
+
 TRIANGLE, GAUSSIAN = fuzzy.WidthShape.triangle, fuzzy.WidthShape.gaussian
 shapes = st.sampled_from([TRIANGLE, GAUSSIAN])
 corner = st.floats(-1.4, 1.4).map(lambda x: round(x, 2))

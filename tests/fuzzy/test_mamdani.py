@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from pilotfish import fuzzy
 
+pytestmark = pytest.mark.builds
+
 GRID = np.linspace(-1, 1, 201)
 E, EC = (x.ravel() for x in np.meshgrid(GRID, GRID, indexing="ij"))
 

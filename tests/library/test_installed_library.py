@@ -13,7 +13,10 @@ from installed import examples, prefix
 from build_tree import ROOT, one_at_a_time, run
 from pilotfish import data
 
-pytestmark = pytest.mark.not_sanitized("a stranger's program is linked without the sanitizer's runtime")
+pytestmark = [
+    pytest.mark.builds,
+    pytest.mark.not_sanitized("a stranger's program is linked without the sanitizer's runtime"),
+]
 CONSUMER = Path(__file__).parent / "consumer"
 HEADERS = sorted(str(file.relative_to(ROOT / "include")) for file in (ROOT / "include").rglob("*.hpp"))
 EXAMPLES = sorted(file.stem for file in (ROOT / "examples/cpp").glob("*.cpp"))

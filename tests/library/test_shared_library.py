@@ -9,6 +9,8 @@ import pytest
 
 from build_tree import ROOT, one_at_a_time, run
 
+pytestmark = pytest.mark.builds
+
 BUILD = ROOT / "build" / "shared-library"
 LIBRARIES = ["core", "fuzzy", "vision"]  # vision stands on core
 VERSION = re.search(r"project\(pilotfish VERSION (\d+)\.(\d+)\.", (ROOT / "CMakeLists.txt").read_text()).groups()

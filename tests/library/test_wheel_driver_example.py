@@ -12,7 +12,10 @@ from build_tree import ROOT
 from pilotfish import bus, core
 from pilotfish.harness.ports import private_lcm_url
 
-pytestmark = pytest.mark.not_sanitized("a stranger's program is linked without the sanitizer's runtime")
+pytestmark = [
+    pytest.mark.builds,
+    pytest.mark.not_sanitized("a stranger's program is linked without the sanitizer's runtime"),
+]
 WITHIN_S = 20.0
 
 

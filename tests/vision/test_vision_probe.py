@@ -8,6 +8,8 @@ import pytest
 
 from build_tree import ROOT, build_sanitized, run
 
+pytestmark = pytest.mark.builds
+
 RELEASE = ROOT / "build" / "release"
 
 
