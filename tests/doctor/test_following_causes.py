@@ -3,6 +3,7 @@
 import math
 import shutil
 import subprocess
+import time
 
 import pytest
 
@@ -293,9 +294,12 @@ def test_a_real_process_says_its_bus(tmp_path):
     words[0] = str(tmp_path / "pilotfish-coordinator")
     with subprocess.Popen(words, env=environment, cwd=tmp_path) as process:
         try:
-            (own,) = [found for found in running_coordinators(Host()) if found.pid == process.pid]
+            own, deadline = None, time.monotonic() + 20.0
+            while own is None and time.monotonic() < deadline:  # until it has become the program
+                own = next((found for found in running_coordinators(Host()) if found.pid == process.pid), None)
         finally:
             process.kill()
+    assert own is not None
     assert own.lcm_url == environment["LCM_DEFAULT_URL"]
     assert own.folder == tmp_path
 
