@@ -254,7 +254,7 @@ def test_the_outline_lies_on_the_edge_of_the_tag(recorded, tmp_path):
             if min(np.linalg.norm(tag - np.roll(tag, 1, axis=0), axis=1)) < 30:
                 continue  # a tag seen from the side: 4 px to its edge is not 4 px into the black
             u, v = np.round([*along(tag, 0.0)]).astype(int).T
-            # Colour has half the resolution: of the 213 of a line of 2 px beside gray between a quarter and 0.6 is left.
+            # Colour has half the resolution: of the 213 of a line beside gray between a quarter and 0.6 is left.
             assert colour[v, u].min() > 40
             u, v = np.round([*along(tag, 8.0)]).astype(int).T
             assert np.abs(colour[v, u]).max() < 40
