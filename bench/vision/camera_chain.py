@@ -43,7 +43,7 @@ class Chain:
         linear = self._on_sensor(seen, rng)
         levels = 255.0 * (_srgb(linear) if self.srgb else linear)
         if self.sharpening > 0.0:
-            levels = levels + self.sharpening * (levels - _convolved(levels, np.ones(3) / 3))
+            levels = levels + self.sharpening * (levels - convolved(levels, np.ones(3) / 3))
         image = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
         if self.jpeg is None:
             return image
@@ -57,7 +57,7 @@ class Chain:
             seen = _by_disc(seen, self.defocus_px)
         offsets = np.arange(-int(np.ceil(4 * self.blur_px)), int(np.ceil(4 * self.blur_px)) + 1)
         kernel = np.exp(-0.5 * (offsets / self.blur_px) ** 2)
-        seen = _convolved(seen, kernel / kernel.sum())
+        seen = convolved(seen, kernel / kernel.sum())
         height, width = seen.shape
         v, u = np.ogrid[0:height, 0:width]
         r2 = ((u - width / 2) ** 2 + (v - height / 2) ** 2) / (width**2 + height**2) * 4
@@ -79,7 +79,7 @@ class Chain:
         planes = []
         for i, gain in enumerate(BAYER_GAINS):
             there = (colour == i).astype(float)
-            plane = _convolved(raw * there, tent) / _convolved(there, tent)
+            plane = convolved(raw * there, tent) / convolved(there, tent)
             planes.append(np.minimum(plane / gain, 1.0))
         return sum(weight * plane for weight, plane in zip(LUMA, planes, strict=True))
 
@@ -94,7 +94,7 @@ def _srgb(linear: np.ndarray) -> np.ndarray:
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
 
 
-def _convolved(image: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+def convolved(image: np.ndarray, kernel: np.ndarray) -> np.ndarray:
     """With the kernel along rows and along columns."""
     reach = len(kernel) // 2
     padded = np.pad(image, reach, mode="edge")

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bench.vision.camera_chain import convolved
 from pilotfish.core import BodyTag, CameraModel, Lens
 from pilotfish.vision import TagFamily
 
@@ -134,20 +135,7 @@ def blurred(image: np.ndarray, sigma_px: float) -> np.ndarray:
     offsets = np.arange(-reach, reach + 1)
     kernel = np.exp(-0.5 * (offsets / sigma_px) ** 2)
     kernel /= kernel.sum()
-    padded = np.pad(image, reach, mode="edge")
-    rows = _weighted(kernel, (padded[:, i : i + image.shape[1]] for i in range(len(kernel))))
-    return _weighted(kernel, (rows[i : i + image.shape[0]] for i in range(len(kernel))))
-
-
-def _weighted(weights, images):
-    """The weighted sum, without a new image for every term."""
-    total = None
-    for weight, image in zip(weights, images, strict=True):
-        if total is None:
-            total, term = weight * image, np.empty(image.shape)
-        else:
-            total += np.multiply(weight, image, out=term)
-    return total
+    return convolved(image, kernel)
 
 
 def draw(

@@ -24,7 +24,7 @@ from pilotfish.cli.camera_choice import (
 from pilotfish.cli.console import friendly_errors, tell, tell_next
 from pilotfish.cli.options import between
 from pilotfish.cli.outputs import output_file
-from pilotfish.cli.rendered_out import check_out, with_progress
+from pilotfish.cli.rendered_out import check_out, write_pictures
 
 if TYPE_CHECKING:
     from pilotfish.calibration.board import Board
@@ -135,8 +135,7 @@ def board(
         )
         held = 1 if kind == outlets.FOLDER else _HELD
         shots = _shots(the_board, model, poses, PictureFlaws(noise, blur_px), seed, held)
-        write = outlets.write_folder if kind == outlets.FOLDER else outlets.write_film
-        count = with_progress("rendering the board", lambda step: write(out, shots, views * held, step))
+        count = write_pictures("rendering the board", kind, out, shots, views * held)
         names = [outlets.picture_name(k) if kind == outlets.FOLDER else f"frame {k}" for k in range(count)]
         remarks = [
             f"The camera that took {out.name}, rendered by `pilotfish render board`: what a calibration should find.",

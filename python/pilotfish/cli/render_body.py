@@ -23,7 +23,7 @@ from pilotfish.cli.camera_choice import (
 from pilotfish.cli.console import friendly_errors, tell, tell_next
 from pilotfish.cli.options import between
 from pilotfish.cli.outputs import output_file
-from pilotfish.cli.rendered_out import check_out, with_progress
+from pilotfish.cli.rendered_out import check_out, write_pictures
 
 
 def body(
@@ -90,8 +90,7 @@ def body(
         besides = [output_file(each) for each in (truth, its_camera)]
         imperfections = sim.Imperfections(blur_sigma_px=blur_px, noise_sigma=noise)
         shots = rehearsal.turn_shots(model, turning, imperfections, seed)
-        write = outlets.write_folder if kind == outlets.FOLDER else outlets.write_film
-        count = with_progress("rendering the turn", lambda step: write(out, shots, pictures, step))
+        count = write_pictures("rendering the turn", kind, out, shots, pictures)
         remarks = [
             f"The leader of {out.name}, rendered by `pilotfish render body`: what learning should find. Each tag is",
             f"{off_mm:g} mm and {off_deg:g} degrees off from {leader or 'three_faces.yaml'}.",

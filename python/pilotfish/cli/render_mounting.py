@@ -23,7 +23,7 @@ from pilotfish.cli.camera_choice import (
 from pilotfish.cli.console import friendly_errors, tell, tell_next
 from pilotfish.cli.options import between
 from pilotfish.cli.outputs import output_file
-from pilotfish.cli.rendered_out import check_out, with_progress
+from pilotfish.cli.rendered_out import check_out, with_progress, write_pictures
 
 if TYPE_CHECKING:
     from pilotfish.core import CameraMounting
@@ -153,8 +153,7 @@ def mounting(
                 lambda step: outlets.write_log(out, ROBOT, shots, drive.odometry, count, step),
             )
         else:
-            write = outlets.write_folder if kind == outlets.FOLDER else outlets.write_film
-            with_progress("rendering the drive", lambda step: write(out, shots, count, step))
+            write_pictures("rendering the drive", kind, out, shots, count)
         moved = f"{', '.join(f'{v:g}' for v in off_mm)} mm and {', '.join(f'{v:g}' for v in off_deg)} degrees"
         remarks = [
             f"Where the camera of {out.name} sits, rendered by `pilotfish render mounting`: what a calibration should",

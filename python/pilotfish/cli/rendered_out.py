@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +13,7 @@ from pilotfish.cli.console import progress
 from pilotfish.cli.outputs import output_file, output_folder
 
 if TYPE_CHECKING:
+    from pilotfish.calibration.rehearsal import Shot
     from pilotfish.cli.console import OnProgress
 
 
@@ -40,6 +41,14 @@ def check_out(out: Path, allowed: tuple[str, ...], count: int, camera: tuple[int
                 f"--out: a film's sides are even, the pictures have {camera[0]}x{camera[1]} px: write a folder"
             )
     return kind
+
+
+def write_pictures(label: str, kind: str, out: Path, shots: Iterator[Shot], count: int) -> int:
+    """To the folder or the film ``out``, with a bar; how many were written."""
+    from pilotfish.calibration.rehearsal import outlets
+
+    write = outlets.write_folder if kind == outlets.FOLDER else outlets.write_film
+    return with_progress(label, lambda step: write(out, shots, count, step))
 
 
 def with_progress(label: str, write: Callable[[OnProgress], int]) -> int:
