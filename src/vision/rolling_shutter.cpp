@@ -20,14 +20,15 @@ void move_back(const CameraModel& camera, const BodyTag& tag, const Before& befo
                TagMeasurement& measured) {
   const std::array<Eigen::Vector3d, 4> corners_o = corners_on_body(tag);
   std::array<double, 4> share{};
+  std::array<Eigen::Vector2d, 4> moved_px;
   for (std::size_t i = 0; i < 4; ++i) {
     const std::optional<Eigen::Vector2d> was_px = project(camera, before.cMo * corners_o[i]);
     const double period_s = before.since_s + tau_s[i];
     if (!was_px || period_s < 0.5 * before.since_s) return;
     share[i] = tau_s[i] / period_s;
-    Eigen::Vector2d& corner_px = measured.tag.corners_px[i];
-    corner_px = (1.0 - share[i]) * corner_px + share[i] * *was_px;
+    moved_px[i] = (1.0 - share[i]) * measured.tag.corners_px[i] + share[i] * *was_px;
   }
+  measured.tag.corners_px = moved_px;  // all of them or none
   for (Eigen::Index i = 0; i < 8; ++i)
     for (Eigen::Index j = 0; j < 8; ++j) {
       const double a = share[static_cast<std::size_t>(i / 2)], b = share[static_cast<std::size_t>(j / 2)];
