@@ -70,15 +70,17 @@ CornerCovariance covariance_of(const CameraModel& camera, const Fit& fit, const 
   const double misfit = std::max(1.0, covariance.agreement / kMisfitFrom);
   covariance.px2 =
       misfit * covariance.agreement * fit.noise * fit.noise * J * unit.template topRows<8>() * J.transpose();
-  covariance.px2.diagonal().array() += misfit * residual_variance_px2(fit.appearance, fit.noise, covariance.agreement);
+  covariance.px2.diagonal().array() +=
+      misfit * residual_variance_px2(fit.mean_appearance(), fit.noise, covariance.agreement);
   return covariance;
 }
 
 }  // namespace
 
 CornerCovariance corner_covariance(const CameraModel& camera, const Fit& fit, const Task& task) {
-  return fit.warp.is_bent() ? covariance_of<kBentParameters>(camera, fit, task)
-                            : covariance_of<kFlatParameters>(camera, fit, task);
+  if (fit.warp.is_bent()) return covariance_of<kBentParameters>(camera, fit, task);
+  if (fit.light) return covariance_of<kShadedParameters>(camera, fit, task);
+  return covariance_of<kFlatParameters>(camera, fit, task);
 }
 
 }  // namespace pilotfish::vision

@@ -47,7 +47,9 @@ constexpr double kLightReach = 0.6;   ///< cells: a cell's own gray counts four 
 constexpr double kLitBetter = 0.8;    ///< a fit with local levels must leave less than this of the residual
 constexpr double kBentBetter = 0.8;   ///< the same of a bent sheet
 constexpr double kBentFrom_px = 2.0;  ///< a side of a cell; below, a bend cannot be seen
-constexpr double kLikelyBend = 0.25, kLargestBend = 0.6;  ///< half the tag's side over the radius
+constexpr double kLikelyBend = 0.25, kLargestBend = 0.6;     ///< half the tag's side over the radius
+constexpr double kShadedBetter = 0.8, kShadedFrom_px = 2.0;  ///< the same of uneven light
+constexpr double kLightStep = 0.5;                           ///< of the place of uneven light, that is likely
 constexpr double kUselessResidual_contrasts = 0.12;
 constexpr double kInnerBetter = 0.8;  ///< the same without the outer edges
 constexpr double kAgree = 2.0;  ///< residuals that move the tag so many times as much as independent ones are none
@@ -80,7 +82,7 @@ bool measure_levels(const ImageView& image, const CameraModel& camera, const Tag
 /// Prior knowledge: paper is lit evenly to some 20 % of its contrast, and a camera's blur stays what
 /// it was to 1 px^2. Without it the pixels of a very small tag could not determine 16 numbers. A sheet that is bent
 /// more than to four times the tag's half side is rare.
-void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEquations& sum) {
+void add_prior(const Fit& fit, const Appearance& start, Model model, double noise, NormalEquations& sum) {
   const double slope_weight = std::pow(noise / (0.2 * std::max(fit.appearance.contrast(), 1.0)), 2);
   const Eigen::Vector4d slopes = fit.slopes();
   for (int i = 0; i < 4; ++i) {
@@ -92,17 +94,25 @@ void add_prior(const Fit& fit, const Appearance& start, double noise, NormalEqua
   sum.information(kBlurV, kBlurV) += blur_weight;
   sum.gradient[kBlurU] -= blur_weight * (fit.appearance.blur_u_px2 - start.blur_u_px2);
   sum.gradient[kBlurV] -= blur_weight * (fit.appearance.blur_v_px2 - start.blur_v_px2);
-  const double bend_weight = std::pow(noise / kLikelyBend, 2);
-  for (int i = 0; i < 3; ++i) {
-    sum.information(kBend + i, kBend + i) += bend_weight;
-    sum.gradient[kBend + i] -= bend_weight * fit.warp.bend[i];
+  if (model == Model::bent) {
+    const double weight = std::pow(noise / kLikelyBend, 2);
+    for (int i = 0; i < 3; ++i) {
+      sum.information(kBend + i, kBend + i) += weight;
+      sum.gradient[kBend + i] -= weight * fit.warp.bend[i];
+    }
   }
+  // Where faint light ends is not known; the steps towards it are kept small.
+  if (model == Model::shaded)
+    for (int i = kLight + 2; i < kShadedParameters; ++i) sum.information(i, i) += std::pow(noise / kLightStep, 2);
 }
 
-void apply(const Parameters& step, bool with_blur, Fit& fit) {
+void apply(const Parameters& step, bool with_blur, Model model, Fit& fit) {
   fit.warp.h += step.head<8>();
-  fit.warp.bend = (fit.warp.bend + step.segment<3>(kBend)).cwiseMax(-kLargestBend).cwiseMin(kLargestBend);
-  if (fit.warp.is_bent()) fit.warp.aim_normal();
+  if (model == Model::bent) {
+    fit.warp.bend = (fit.warp.bend + step.segment<3>(kBend)).cwiseMax(-kLargestBend).cwiseMin(kLargestBend);
+    fit.warp.aim_normal();
+  }
+  if (model == Model::shaded) fit.light = fit.light->moved(step.segment<kLightParameters>(kLight));
   fit.appearance.black += step[kB];
   fit.appearance.white += step[kB] + step[kC];
   fit.appearance.black_slope += step.segment<2>(kBx);
@@ -145,17 +155,19 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
     return pass(fit, task.pattern, task.samples, blur_u, blur_v, task.rows);
   };
   const bool near = task.samples.reach == 1;
-  if (task.bent)
-    sum = near ? passed(linearize<1, false, true>) : passed(linearize<2, false, true>);
-  else if (task.samples.light != nullptr)
-    sum = near ? passed(linearize<1, true, false>) : passed(linearize<2, true, false>);
+  if (task.model == Model::bent)
+    sum = near ? passed(linearize<1, Model::bent>) : passed(linearize<2, Model::bent>);
+  else if (task.model == Model::shaded)
+    sum = near ? passed(linearize<1, Model::shaded>) : passed(linearize<2, Model::shaded>);
+  else if (task.model == Model::lit)
+    sum = near ? passed(linearize<1, Model::lit>) : passed(linearize<2, Model::lit>);
   else
-    sum = near ? passed(linearize<1, false, false>) : passed(linearize<2, false, false>);
-  const int parameters = task.bent ? kBentParameters : kFlatParameters;
+    sum = near ? passed(linearize<1, Model::even>) : passed(linearize<2, Model::even>);
+  const int parameters = parameters_of(task.model);
   if (sum.inliers < 2 * parameters) return std::nan("");
   fit.noise = std::max(kMinNoise, std::sqrt(sum.squared_error / (sum.inliers - parameters)));
-  fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / task.samples.count;
-  add_prior(fit, task.expected, fit.noise, sum);
+  fit.outlier_share = 1.0 - static_cast<double>(sum.inliers) / std::max(task.samples.count - sum.clipped, 1);
+  add_prior(fit, task.expected, task.model, fit.noise, sum);
   if (!fine)
     for (int i : {kBlurU, kBlurV}) {
       sum.information.row(i).setZero();
@@ -163,10 +175,12 @@ double step_once(Task& task, double extra_blur_px2, bool fine, Fit& fit) {
       sum.information(i, i) = 1.0;
       sum.gradient[i] = 0.0;
     }
-  const Parameters step = task.bent ? solved<kBentParameters>(sum) : solved<kFlatParameters>(sum);
+  const Parameters step = task.model == Model::bent     ? solved<kBentParameters>(sum)
+                          : task.model == Model::shaded ? solved<kShadedParameters>(sum)
+                                                        : solved<kFlatParameters>(sum);
   if (!step.allFinite()) return std::nan("");
   const TagWarp before = fit.warp;
-  apply(step, fine, fit);
+  apply(step, fine, task.model, fit);
   return largest_move(before, fit.warp);
 }
 
@@ -206,7 +220,7 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   take(task.cell_px > kLargeCell_px ? kManySamples : kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
-  for (int i = 0; i < (task.samples.light != nullptr || task.bent ? kManySteps : 6); ++i) {
+  for (int i = 0; i < (task.model == Model::even || task.model == Model::inside ? 6 : kManySteps); ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return false;
     if (move_px < kConverged_px) return true;
@@ -227,9 +241,11 @@ bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
   fit.appearance.black = fit.appearance.white = 0.0;
   fit.appearance.black_slope.setZero();
   fit.appearance.contrast_slope.setZero();
+  task.model = Model::lit;
   task.samples.light = &light;
   const bool settled = settle(task, true, fit);
   task.samples.light = nullptr;
+  task.model = Model::even;
   fit.appearance.black += levels.black;
   fit.appearance.white += levels.white;
   fit.appearance.black_slope += levels.black_slope;
@@ -242,7 +258,7 @@ bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
 /// converge or explains the picture hardly better.
 bool settle_bent(Task& task, const Fit* plain, Fit& fit) {
   if (task.cell_px < kBentFrom_px) return false;
-  task.bent = true;
+  task.model = Model::bent;
   fit.warp.aim_normal();
   const Fit start = fit;
   bool settled = (plain != nullptr || fit.warp.is_bent()) && settle(task, true, fit);
@@ -250,7 +266,7 @@ bool settle_bent(Task& task, const Fit* plain, Fit& fit) {
     fit = start;
     settled = pull_in(task, fit) && settle(task, true, fit);
   }
-  task.bent = false;
+  task.model = Model::even;
   return settled && (plain == nullptr || unexplained(fit) < kBentBetter * unexplained(*plain));
 }
 
@@ -266,35 +282,51 @@ bool settle_inside(Task& task, const Fit* plain, Fit& fit) {
   return settled && (plain == nullptr || unexplained(fit) < kInnerBetter * unexplained(*plain));
 }
 
+/// The same in light of a simple shape, from about where it is.
+bool settle_shaded(Task& task, const std::optional<UnevenLight>& light, const Fit* plain, Fit& fit) {
+  if (!fit.light) fit.light = light;
+  if (!fit.light || task.cell_px < kShadedFrom_px) return false;
+  task.model = Model::shaded;
+  const bool settled = settle(task, true, fit);
+  task.model = Model::even;
+  return settled && (plain == nullptr || unexplained(fit) < kShadedBetter * unexplained(*plain));
+}
+
 /// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
 bool explains(const Fit& fit) {
-  return fit.noise < kMaxResidual_contrasts * fit.appearance.contrast() && fit.outlier_share < kMaxOutlierShare;
+  return fit.noise < kMaxResidual_contrasts * fit.mean_appearance().contrast() && fit.outlier_share < kMaxOutlierShare;
 }
 
 /// What may explain a picture that a flat, evenly lit tag with a white ring does not.
-enum class Model { bent, inside, lit };
+enum class Cause { shadow, reflection, bend, close_cut, light };
 
-/// Tries `models` from `start` and takes the one that leaves the least of the picture unexplained, if there is one that
-/// is better than `plain`. `task` then holds its normal equations.
-bool settle_best(std::initializer_list<Model> models, Task& task, const Fit* plain, const Fit& start, Fit& fit) {
-  LevelField light;
-  const auto settle_as = [&](Model model, const Fit* than, Fit& each) {
-    if (model == Model::bent) return settle_bent(task, than, each) && explains(each);
-    if (model == Model::inside) return settle_inside(task, than, each) && explains(each);
-    return settle_lit(task, light, than, each);
+/// Tries `causes` from `start` and takes the one that leaves the least of the picture unexplained, if there is one that
+/// is better than `plain`. `task`, which holds the normal equations of `plain`, then holds those of the result.
+bool settle_best(std::initializer_list<Cause> causes, Task& task, const Fit* plain, const Fit& start, Fit& fit) {
+  LevelField field;
+  const std::optional<UnevenLight> shadow = find_uneven_light(UnevenLight::Shape::edge, task.rows, task.samples.count),
+                                   spot = find_uneven_light(UnevenLight::Shape::spot, task.rows, task.samples.count);
+  const auto settle_as = [&](Cause cause, const Fit* than, Fit& each) {
+    switch (cause) {
+      case Cause::shadow: return settle_shaded(task, shadow, than, each) && explains(each);
+      case Cause::reflection: return settle_shaded(task, spot, than, each) && explains(each);
+      case Cause::bend: return settle_bent(task, than, each) && explains(each);
+      case Cause::close_cut: return settle_inside(task, than, each) && explains(each);
+      default: return settle_lit(task, field, than, each);
+    }
   };
   const Fit from = start;
   const Fit flat = plain != nullptr ? *plain : start;
-  std::optional<Model> best;
-  for (Model model : models) {
+  std::optional<Cause> best;
+  for (Cause cause : causes) {
     Fit each = from;
-    if (!settle_as(model, plain != nullptr ? &flat : nullptr, each)) continue;
+    if (!settle_as(cause, plain != nullptr ? &flat : nullptr, each)) continue;
     if (best && unexplained(each) >= unexplained(fit)) continue;
     fit = each;
-    best = model;
+    best = cause;
   }
   if (!best) return false;
-  if (*best == *(models.end() - 1)) return true;
+  if (*best == *(causes.end() - 1)) return true;
   Fit again = fit;
   if (!settle_as(*best, nullptr, again)) return false;
   fit = again;
@@ -305,7 +337,7 @@ bool settle_best(std::initializer_list<Model> models, Task& task, const Fit* pla
 
 std::optional<Registration> register_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                                          const Eigen::Matrix3d& nHt, const Appearance& start) noexcept {
-  Fit fit{TagWarp(camera, nHt), start};
+  Fit fit{TagWarp(camera, nHt), start, 0.0, 0.0, std::nullopt};
   fit.appearance.black_slope.setZero();  // uneven light is measured anew
   fit.appearance.contrast_slope.setZero();
   if (!fit.warp.is_finite() || !measure_levels(image, camera, pattern, fit)) return std::nullopt;
@@ -321,7 +353,8 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
       const Fit* plain = settled ? &near : nullptr;
       const Fit from = settled ? near : fit;
       Fit anew = fit;
-      if (settle_best({Model::bent, Model::inside, Model::lit}, task, plain, from, near)) {
+      if (settle_best({Cause::shadow, Cause::reflection, Cause::bend, Cause::close_cut, Cause::light}, task, plain,
+                      from, near)) {
       } else if (settled && settle_bent(task, nullptr, anew) && explains(anew)) {
         near = anew;
       } else if (!settled || !settle(task, true, near)) {  // once more, for its normal equations
@@ -332,11 +365,13 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   if (!(largest_move(fit.warp, near.warp) < 2.0 * cell_px)) return std::nullopt;
   CornerCovariance covariance = corner_covariance(camera, near, task);
   // What moves all of its parts one way is no noise: a bend, or something dark beside the outer edges.
-  if (covariance.agreement > kAgree && !near.warp.is_bent()) {
+  if (covariance.agreement > kAgree && !near.warp.is_bent() && !near.light) {
     const Fit plain = near;
-    if (settle_best({Model::bent}, task, &plain, plain, near)) covariance = corner_covariance(camera, near, task);
+    if (settle_best({Cause::shadow, Cause::reflection, Cause::bend}, task, &plain, plain, near))
+      covariance = corner_covariance(camera, near, task);
   }
   fit = near;
+  fit.appearance = fit.mean_appearance();
 
   Registration found;
   found.nHt = fit.warp.nHt();
