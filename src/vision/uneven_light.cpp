@@ -19,9 +19,9 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr int kDirections = 12, kOffsets = 13, kAcross = 7;
-constexpr double kFarthest = 1.1;     ///< from the tag's middle
-constexpr double kWorthwhile = 0.25;  ///< of the sum of squares must be explained
-constexpr double kMostShift = 0.3;    ///< of a place in one step, in radians or tag coordinates
+constexpr double kFarthest = 1.1;    ///< from the tag's middle
+constexpr double kExplained = 0.25;  ///< of the sum of squares must be explained
+constexpr double kMostShift = 0.3;   ///< of a place in one step, in radians or tag coordinates
 constexpr double kNarrowest = 0.02, kWidest = 1.5;
 
 /// What follows from one pass over the samples for any light.
@@ -33,7 +33,7 @@ class Search {
     A.noalias() = E.transpose() * E;
     even_.compute(A);
     r_.head(padded).noalias() -= E * even_.solve(E.transpose() * r_.head(padded));
-    explained_ = static_cast<float>(kWorthwhile) * r_.head(padded).squaredNorm();
+    explained_ = static_cast<float>(kExplained) * r_.head(padded).squaredNorm();
   }
 
   /// Keeps `light` with its best steps if it explains more than any before.
