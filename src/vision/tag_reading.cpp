@@ -1,7 +1,6 @@
 #include "tag_reading.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "is_inside.hpp"
@@ -109,13 +108,16 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
       continue;
     }
     if (light != nullptr && certain <= 0.0) {
-      // A spot in the middle of a cell, of dirt or without toner, does not reach its corners.
-      std::array<double, 5> all{certain};
-      std::size_t count = 1;
+      // A bit of another tag is of the other colour all over. A spot, of dirt or without toner, is of that size by
+      // chance only: where the parts of a cell disagree, most of them decide, or it cannot be read.
+      int right = 0;
       for (int x : {-1, 1})
-        for (int y : {-1, 1}) all[count++] = certainty(beside(x, y), x, y, levels);
-      std::nth_element(all.begin(), all.begin() + 2, all.end());
-      certain = all[2];
+        for (int y : {-1, 1}) right += certainty(beside(x, y), x, y, levels) > 0.0 ? 1 : 0;
+      if (right == 1 || right == 2) {
+        ++reading.unread_bits;
+        continue;
+      }
+      if (right > 2) certain = 1.0;
     }
     reading.wrong_bits += certain <= 0.0 ? 1 : 0;
     sum += 2.0 * sign * (bilinear(image, place.pixel) - (levels.black + 0.5 * contrast));
