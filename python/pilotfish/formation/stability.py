@@ -31,6 +31,7 @@ from pilotfish.formation.chain import chain_of, drive_chain
 from pilotfish.formation.relay import Network
 from pilotfish.formation.response import StepResponse, fit_sine, step_response
 from pilotfish.harness.run import OnProgress
+from pilotfish.held_interrupts import HeldInterrupts
 from pilotfish.recording import FloatArray
 
 LAWS = ("paper", "anticipate", "pid", "pbvs")
@@ -186,17 +187,18 @@ def _answers(tasks, trial: Trial, jobs: int | None, on_progress: OnProgress | No
     # The longest first; "spawn", because threads of the parent do not survive a fork.
     ordered = sorted(tasks, key=lambda task: task[2] or 1.0)
     with ProcessPoolExecutor(min(count, len(tasks)), mp_context=get_context("spawn")) as pool:
-        with deaf_children():
-            futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}
         try:
+            with deaf_children():  # an interrupt that came meanwhile is raised on leaving it
+                futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}
             for done, future in enumerate(as_completed(futures), 1):
                 yield futures[future], future.result()
                 report(done, len(tasks))
         except BaseException:
-            workers = list(pool._processes.values())  # pool.terminate_workers() from Python 3.14 on
-            pool.shutdown(wait=False, cancel_futures=True)
-            for worker in workers:  # what they are in the middle of would take seconds, and nobody wants it
-                worker.terminate()
+            with HeldInterrupts():  # else one more leaves workers at work, and the pool waits for them
+                workers = list((pool._processes or {}).values())  # pool.terminate_workers() from Python 3.14 on
+                pool.shutdown(wait=False, cancel_futures=True)
+                for worker in workers:  # what they are in the middle of would take seconds, and nobody wants it
+                    worker.terminate()
             raise
 
 
