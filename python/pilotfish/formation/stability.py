@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from pilotfish.deaf_children import deaf_children
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, UsageError
 from pilotfish.formation.chain import chain_of, drive_chain
 from pilotfish.formation.relay import Network
 from pilotfish.formation.response import StepResponse, fit_sine, step_response
@@ -122,13 +122,18 @@ def measure(
 
 
 def check(trial: Trial) -> None:
-    """ConfigError if the sine asks for more than the robots can do or for a leader that stops."""
+    """UsageError if the sine asks for more than the robots can do or for a leader that stops."""
     if not 0.0 < trial.amplitude_mps < trial.speed_mps:
-        raise ConfigError(
+        raise UsageError(
             f"amplitude_mps: {trial.amplitude_mps:g} is not allowed: more than 0 and less than the speed "
             f"({trial.speed_mps:g}), so that the leader never stops"
         )
-    chain_of(trial.robots, trial.spacing_m, _content(trial))
+    try:
+        chain_of(trial.robots, trial.spacing_m, _content(trial))
+    except ConfigError as error:
+        if trial.coordinator is not None:  # its limits may be what forbids it
+            raise
+        raise UsageError(str(error)) from error
 
 
 def window_s(trial: Trial, frequency_hz: float) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from pilotfish.calibration.rehearsal.lens import directions
 from pilotfish.calibration.rehearsal.outlets import Pose, Shot
 from pilotfish.calibration.rehearsal.tags_in_view import faces_camera, inside_picture
 from pilotfish.core import BodyTag, CameraModel, CameraMounting, LeaderBody, Twist
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 
 TURN_RADPS, DRIVE_MPS = 0.2, 0.12
 _PAUSE_S = 0.6  # longer than the wheels' lag: a turn by an angle ends at this angle
@@ -58,9 +58,9 @@ class MountingDrive:
 
 
 def plan_drive(camera: CameraModel, mounting: CameraMounting, settings: DriveSettings) -> MountingDrive:
-    """The whole drive. ConfigError if the camera would not see the tag in enough of it."""
+    """The whole drive. UsageError if the camera would not see the tag in enough of it."""
     if settings.tag_distance_m - settings.drive_m < _LEAST_LEFT_M:
-        raise ConfigError(
+        raise UsageError(
             f"--drive-m: {settings.drive_m:g} leaves less than {_LEAST_LEFT_M:g} m to a tag that is "
             f"{settings.tag_distance_m:g} m away; allowed: up to {settings.tag_distance_m - _LEAST_LEFT_M:g}, or a "
             "larger --tag-distance-m"
@@ -160,7 +160,7 @@ def _check_seen(camera: CameraModel, mounting: CameraMounting, drive: MountingDr
     for turns, what, least in ((True, "turn", MIN_TURN_PICTURES), (False, "drive", MIN_DRIVE_PICTURES)):
         if seen[turns] < least:
             total = drive.turning.count(turns)
-            raise ConfigError(
+            raise UsageError(
                 f"the tag is wholly in {seen[turns]} of {total} pictures of the {what}, {least} are needed. It is "
                 f"{round(math.degrees(ahead_rad))} degrees to the left of straight ahead, as high as the camera, whose "
                 f"tilt is {round(math.degrees(mounting.tilt_rad))} degrees: take another --tag-distance-m, "
