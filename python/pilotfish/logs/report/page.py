@@ -120,7 +120,8 @@ def _figures(robots: dict[str, RobotRun]) -> str:
     view = inline_svg(draw_relative_view(robots, theme=ON_PAGE), "view")
     over_time = (
         "Over time. Lines are broken where nothing was measured. Above, the area of a colour is its share of the time: "
-        "what is too short to be seen is among the events. Hatched: no messages were recorded, for as long as it says where there is room."
+        "what is too short to be seen is among the events. Hatched: no messages were recorded, for as long as it says "
+        "where there is room."
     )
     return (
         f"<figure>{overview}<figcaption>{over_time}</figcaption></figure>\n"
