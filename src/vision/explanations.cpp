@@ -16,6 +16,7 @@ constexpr double kWorthwhile = 30.0;  ///< of the likelihood ratio, see explains
 constexpr double kBentFrom_px = 2.0;  ///< a side of a cell; below, a bend cannot be seen
 constexpr double kShadedFrom_px = 2.0;  ///< a side of a cell; below, light cannot be told from bits
 constexpr double kUselessResidual_contrasts = 0.12;
+constexpr double kClearlyBetter = 0.95;
 constexpr double kInnerBetter = 0.8;  ///< the same without the outer edges
 
 double unexplained(const Fit& fit) { return fit.noise * (1.0 + fit.outlier_share); }
@@ -63,12 +64,21 @@ bool settle_inside(Task& task, const Fit* plain, Fit& fit) {
   return settled && (plain == nullptr || unexplained(fit) < kInnerBetter * unexplained(*plain));
 }
 
-/// The same in light of a simple shape, from about where it is.
-bool settle_shaded(Task& task, const std::optional<UnevenLight>& light, const Fit* plain, Fit& fit) {
+/// The same in light of a simple shape, from about where it is, and from two places of the tag: that of `fit`, and that
+/// where it was expected, from which uneven light has not drawn it away.
+bool settle_shaded(Task& task, const std::optional<UnevenLight>& light, const TagWarp& expected, const Fit* plain,
+                   Fit& fit) {
   if (!fit.light) fit.light = light;
   if (!fit.light || task.cell_px < kShadedFrom_px) return false;
   task.model = Model::shaded;
-  const bool settled = settle(task, true, fit);
+  Fit other = fit;
+  other.warp = expected;
+  const bool other_settled = plain != nullptr && settle(task, true, other);
+  bool settled = settle(task, true, fit);
+  if (other_settled && (!settled || unexplained(other) < kClearlyBetter * unexplained(fit))) {
+    fit = other;
+    settled = settle(task, true, fit);  // once more, for its normal equations
+  }
   task.model = Model::even;
   return settled && (plain == nullptr || explains_more(fit, *plain, task));
 }
@@ -104,7 +114,8 @@ bool explains(const Fit& fit) {
   return fit.noise < kMaxResidual_contrasts * fit.mean_appearance().contrast() && fit.outlier_share < kMaxOutlierShare;
 }
 
-bool settle_best(std::initializer_list<Cause> causes, Task& task, const Fit* plain, const Fit& start, Fit& fit) {
+bool settle_best(std::initializer_list<Cause> causes, Task& task, const TagWarp& expected, const Fit* plain,
+                 const Fit& start, Fit& fit) {
   LevelField field;
   // Before the first trial takes samples of its own.
   std::optional<UnevenLight> shadow, reflection;
@@ -115,8 +126,8 @@ bool settle_best(std::initializer_list<Cause> causes, Task& task, const Fit* pla
   }
   const auto settle_as = [&](Cause cause, const Fit* than, Fit& each) {
     switch (cause) {
-      case Cause::shadow: return settle_shaded(task, shadow, than, each) && explains(each);
-      case Cause::reflection: return settle_shaded(task, reflection, than, each) && explains(each);
+      case Cause::shadow: return settle_shaded(task, shadow, expected, than, each) && explains(each);
+      case Cause::reflection: return settle_shaded(task, reflection, expected, than, each) && explains(each);
       case Cause::bend: return settle_bent(task, than, each) && explains(each);
       case Cause::close_cut: return settle_inside(task, than, each) && explains(each);
       default: return settle_lit(task, field, than, each);

@@ -22,6 +22,8 @@ bool settle_bent(Task& task, const Fit* plain, Fit& fit);
 
 /// Tries `causes` from `start` and takes the one that leaves the least of the picture unexplained, if there is one that
 /// is better than `plain`. `task`, which holds the normal equations of `plain`, then holds those of the result.
-bool settle_best(std::initializer_list<Cause> causes, Task& task, const Fit* plain, const Fit& start, Fit& fit);
+/// `expected`: where the tag was looked for.
+bool settle_best(std::initializer_list<Cause> causes, Task& task, const TagWarp& expected, const Fit* plain,
+                 const Fit& start, Fit& fit);
 
 }  // namespace pilotfish::vision

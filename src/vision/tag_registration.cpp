@@ -68,8 +68,8 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
       const Fit* plain = settled ? &near : nullptr;
       const Fit from = settled ? near : fit;
       Fit anew = fit;
-      if (settle_best({Cause::shadow, Cause::reflection, Cause::bend, Cause::close_cut, Cause::light}, task, plain,
-                      from, near)) {
+      if (settle_best({Cause::shadow, Cause::reflection, Cause::bend, Cause::close_cut, Cause::light}, task, fit.warp,
+                      plain, from, near)) {
       } else if (settled && settle_bent(task, nullptr, anew) && explains(anew)) {
         near = anew;
       } else if (!settled || !settle(task, true, near)) {  // once more, for its normal equations
@@ -84,8 +84,8 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
     const Fit plain = near;
     const bool uneven = covariance.agreement > kAgree;
     const bool bent = near.noise > kNoisy_contrasts * near.appearance.contrast() && may_be_bent(task, plain);
-    if (uneven ? settle_best({Cause::shadow, Cause::reflection, Cause::bend}, task, &plain, plain, near)
-               : bent && settle_best({Cause::bend}, task, &plain, plain, near))
+    if (uneven ? settle_best({Cause::shadow, Cause::reflection, Cause::bend}, task, fit.warp, &plain, plain, near)
+               : bent && settle_best({Cause::bend}, task, fit.warp, &plain, plain, near))
       covariance = corner_covariance(camera, near, task);
   }
   fit = near;
