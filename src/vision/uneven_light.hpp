@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 
 #include "registration_rows.hpp"
@@ -38,7 +39,8 @@ std::optional<UnevenLight> find_uneven_light(UnevenLight::Shape shape, const Row
 
 /// The share of the light at eight samples, and its derivatives with respect to its place.
 struct LightLanes {
-  Lanes share, d_place[3];
+  Lanes share;
+  std::array<Lanes, 3> d_place;
 
   LightLanes() = default;
   LightLanes(const UnevenLight& light, const Lanes& x, const Lanes& y);
