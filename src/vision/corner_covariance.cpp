@@ -73,7 +73,7 @@ CornerCovariance covariance_of(const CameraModel& camera, const Fit& fit, const 
   covariance.px2 =
       misfit * covariance.agreement * fit.noise * fit.noise * J * unit.template topRows<8>() * J.transpose();
   // Pixel by pixel, noise alone leaves more than that.
-  const bool explained = explains(fit) || task.cell_px < kDenseBelow_px;
+  const bool explained = explains(fit, task) || task.cell_px < kDenseBelow_px;
   covariance.px2.diagonal().array() +=
       misfit * residual_variance_px2(fit.mean_appearance(), fit.noise, covariance.agreement, explained);
   return covariance;

@@ -1,6 +1,9 @@
 #include "explanations.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "template_fit.hpp"
 
@@ -8,18 +11,22 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr double kMaxResidual_contrasts = 0.05;  ///< a fit on the wrong edges has a larger residual, in contrasts,
+constexpr double kPixelResidual = 1.6;           ///< where pixels are not averaged, so many times as large,
 constexpr double kMaxOutlierShare = 0.1;         ///< or more outliers among its samples
-constexpr double kLitFrom_px = 5.0;   ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
-constexpr double kLightReach = 0.6;   ///< cells: a cell's own gray counts four times as much as its neighbour's
-constexpr double kLitBetter = 0.8;    ///< a fit with local levels must leave less than this of the residual
+constexpr double kLitFrom_px = 5.0;  ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
+constexpr double kLightReach = 0.6;  ///< cells: a cell's own gray counts four times as much as its neighbour's
+constexpr double kLitBetter = 0.8;   ///< a fit with local levels must leave less than this of the residual
+constexpr std::size_t kCauses = 5;
+constexpr double kLittle_contrasts = 0.028;
 constexpr double kWorthwhile = 30.0;  ///< of the likelihood ratio, see explains_more()
 constexpr double kBentFrom_px = 2.0;  ///< a side of a cell; below, a bend cannot be seen
-constexpr double kShadedFrom_px = 2.0;  ///< a side of a cell; below, light cannot be told from bits
 constexpr double kUselessResidual_contrasts = 0.12;
-constexpr double kClearlyBetter = 0.95;
 constexpr double kInnerBetter = 0.8;  ///< the same without the outer edges
 
 double unexplained(const Fit& fit) { return fit.noise * (1.0 + fit.outlier_share); }
+
+/// Whether so little is left that nothing else need be tried.
+bool explains_well(const Fit& fit) { return unexplained(fit) < kLittle_contrasts * fit.mean_appearance().contrast(); }
 
 /// Whether more parameters are worth it, by the likelihood ratio n ln(s0^2 / s1^2). Without need it has the
 /// distribution of chi-squared with as many degrees of freedom as there are more; neighbouring samples are not quite
@@ -69,18 +76,49 @@ bool settle_inside(Task& task, const Fit* plain, Fit& fit) {
 bool settle_shaded(Task& task, const std::optional<UnevenLight>& light, const TagWarp& expected, const Fit* plain,
                    Fit& fit) {
   if (!fit.light) fit.light = light;
-  if (!fit.light || task.cell_px < kShadedFrom_px) return false;
+  if (!fit.light) return false;
   task.model = Model::shaded;
   Fit other = fit;
-  other.warp = expected;
-  const bool other_settled = plain != nullptr && settle(task, true, other);
   bool settled = settle(task, true, fit);
-  if (other_settled && (!settled || unexplained(other) < kClearlyBetter * unexplained(fit))) {
-    fit = other;
+  if (plain != nullptr && !(settled && explains_well(fit))) {
+    other.warp = expected;
+    if (settle(task, true, other) && (!settled || unexplained(other) < unexplained(fit))) fit = other;
     settled = settle(task, true, fit);  // once more, for its normal equations
   }
   task.model = Model::even;
   return settled && (plain == nullptr || explains_more(fit, *plain, task));
+}
+
+/// By how much a bend could at most lower the sum of squares of the fit of a flat tag that `task` holds.
+double fall_by_bend(Task& task, const Fit& flat) {
+  if (task.cell_px < kBentFrom_px) return 0.0;
+  Fit start = flat;
+  start.warp.aim_normal();
+  task.model = Model::bent;
+  const NormalEquations sum = linearized(task, start, task.cell_px < kDenseBelow_px ? 0.0 : kSampleBlur_px2);
+  task.model = Model::even;
+  return sum.gradient.dot(solved(Model::bent, sum));
+}
+
+struct Likely {
+  Cause cause = Cause::light;
+  double explained = 0.0;  ///< share of what the plain fit left, before anything was fitted
+  std::optional<UnevenLight> light;
+};
+
+Likely how_likely(Cause cause, Task& task, const Fit* plain) {
+  Likely likely{cause, 0.0, std::nullopt};
+  const bool is_light = cause == Cause::shadow || cause == Cause::reflection;
+  if (is_light && task.cell_px >= kDenseBelow_px) {  // smaller: light cannot be told from bits
+    const auto shape = cause == Cause::shadow ? UnevenLight::Shape::edge : UnevenLight::Shape::spot;
+    if (const std::optional<FoundLight> found = find_uneven_light(shape, task.rows, task.samples.count)) {
+      likely.light = found->light;
+      likely.explained = found->explained;
+    }
+  }
+  if (cause == Cause::bend && plain != nullptr)
+    likely.explained = fall_by_bend(task, *plain) / std::max(task.sum.squared_error, 1e-6);
+  return likely;
 }
 
 }  // namespace
@@ -100,51 +138,45 @@ bool settle_bent(Task& task, const Fit* plain, Fit& fit) {
 }
 
 bool may_be_bent(Task& task, const Fit& flat) {
-  if (task.cell_px < kBentFrom_px) return false;
-  Fit start = flat;
-  start.warp.aim_normal();
-  task.model = Model::bent;
-  const NormalEquations sum = linearized(task, start, task.cell_px < kDenseBelow_px ? 0.0 : kSampleBlur_px2);
-  const double fall = sum.gradient.dot(solved(task.model, sum));
-  task.model = Model::even;
-  return fall > kWorthwhile * flat.noise * flat.noise;
+  return fall_by_bend(task, flat) > kWorthwhile * flat.noise * flat.noise;
 }
 
-bool explains(const Fit& fit) {
-  return fit.noise < kMaxResidual_contrasts * fit.mean_appearance().contrast() && fit.outlier_share < kMaxOutlierShare;
+bool explains(const Fit& fit, const Task& task) {
+  const double most = task.cell_px < kDenseBelow_px ? kMaxResidual_contrasts * kPixelResidual : kMaxResidual_contrasts;
+  return fit.noise < most * fit.mean_appearance().contrast() && fit.outlier_share < kMaxOutlierShare;
 }
 
 bool settle_best(std::initializer_list<Cause> causes, Task& task, const TagWarp& expected, const Fit* plain,
                  const Fit& start, Fit& fit) {
   LevelField field;
-  // Before the first trial takes samples of its own.
-  std::optional<UnevenLight> shadow, reflection;
-  for (Cause cause : causes) {
-    if (cause == Cause::shadow) shadow = find_uneven_light(UnevenLight::Shape::edge, task.rows, task.samples.count);
-    if (cause == Cause::reflection)
-      reflection = find_uneven_light(UnevenLight::Shape::spot, task.rows, task.samples.count);
-  }
-  const auto settle_as = [&](Cause cause, const Fit* than, Fit& each) {
-    switch (cause) {
-      case Cause::shadow: return settle_shaded(task, shadow, expected, than, each) && explains(each);
-      case Cause::reflection: return settle_shaded(task, reflection, expected, than, each) && explains(each);
-      case Cause::bend: return settle_bent(task, than, each) && explains(each);
-      case Cause::close_cut: return settle_inside(task, than, each) && explains(each);
-      default: return settle_lit(task, field, than, each);
-    }
-  };
   const Fit from = start;
   const Fit flat = plain != nullptr ? *plain : start;
-  std::optional<Cause> best;
-  for (Cause cause : causes) {
-    Fit each = from;
-    if (!settle_as(cause, plain != nullptr ? &flat : nullptr, each)) continue;
-    if (best && unexplained(each) >= unexplained(fit)) continue;
-    fit = each;
-    best = cause;
+  // Before the first trial takes samples of its own.
+  std::array<Likely, kCauses> likely;
+  const auto end = std::transform(causes.begin(), causes.end(), likely.begin(), [&](Cause cause) {
+    return how_likely(cause, task, plain != nullptr ? &flat : nullptr);
+  });
+  std::stable_sort(likely.begin(), end, [](const Likely& a, const Likely& b) { return a.explained > b.explained; });
+  const auto settle_as = [&](const Likely& each, const Fit* than, Fit& trial) {
+    switch (each.cause) {
+      case Cause::shadow:
+      case Cause::reflection: return settle_shaded(task, each.light, expected, than, trial) && explains(trial, task);
+      case Cause::bend: return settle_bent(task, than, trial) && explains(trial, task);
+      case Cause::close_cut: return settle_inside(task, than, trial) && explains(trial, task);
+      default: return settle_lit(task, field, than, trial);
+    }
+  };
+  const Likely* best = nullptr;
+  for (auto each = likely.begin(); each != end; ++each) {
+    Fit trial = from;
+    if (!settle_as(*each, plain != nullptr ? &flat : nullptr, trial)) continue;
+    if (best != nullptr && unexplained(trial) >= unexplained(fit)) continue;
+    fit = trial;
+    best = each;
+    if (explains_well(fit)) return true;
   }
-  if (!best) return false;
-  if (*best == *(causes.end() - 1)) return true;
+  if (best == nullptr) return false;
+  if (best == end - 1) return true;
   Fit again = fit;
   if (!settle_as(*best, nullptr, again)) return false;
   fit = again;

@@ -10,7 +10,7 @@ namespace pilotfish::vision {
 enum class Cause { shadow, reflection, bend, close_cut, light };
 
 /// Whether a fit converged to the tag and not to some other edge: then it explains the picture well.
-bool explains(const Fit& fit);
+bool explains(const Fit& fit, const Task& task);
 
 /// Whether a bend could better the fit of a flat tag, which `task` holds too, by so much that it is worth while. This
 /// is the score test, for which the bend itself need not be fitted.

@@ -61,16 +61,16 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
 
   Task task{image, camera, pattern, start, cell_px, {}, {}, {}};
   Fit near = fit;
-  if (!settle(task, false, near) || !explains(near)) {
+  if (!settle(task, false, near) || !explains(near, task)) {
     near = fit;
     const bool settled = pull_in(task, near) && settle(task, true, near);
-    if (!settled || !explains(near)) {
+    if (!settled || !explains(near, task)) {
       const Fit* plain = settled ? &near : nullptr;
       const Fit from = settled ? near : fit;
       Fit anew = fit;
       if (settle_best({Cause::shadow, Cause::reflection, Cause::bend, Cause::close_cut, Cause::light}, task, fit.warp,
                       plain, from, near)) {
-      } else if (settled && settle_bent(task, nullptr, anew) && explains(anew)) {
+      } else if (settled && settle_bent(task, nullptr, anew) && explains(anew, task)) {
         near = anew;
       } else if (!settled || !settle(task, true, near)) {  // once more, for its normal equations
         return std::nullopt;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 
@@ -19,6 +20,7 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr int kDirections = 12, kOffsets = 13, kAcross = 7;
+constexpr int kEnoughSamples = 150;
 constexpr double kFarthest = 1.1;    ///< from the tag's middle
 constexpr double kExplained = 0.25;  ///< of the sum of squares must be explained
 constexpr double kMostShift = 0.3;   ///< of a place in one step, in radians or tag coordinates
@@ -27,13 +29,25 @@ constexpr double kNarrowest = 0.02, kWidest = 1.5;
 /// What follows from one pass over the samples for any light.
 class Search {
  public:
-  Search(const Rows& rows, int padded) : rows_(rows), padded_(padded), r_(rows.r) {
-    const auto E = rows.J.middleCols<6>(kB).topRows(padded);
-    Eigen::Matrix<float, 6, 6> A;
-    A.noalias() = E.transpose() * E;
+  Search(const Rows& rows, int count) : rows_(rows) {
+    const int padded = (count + 7) / 8 * 8;
+    // Places are tried on enough samples; the fit that follows uses all.
+    const int stride = 8 * std::max(1, padded / kEnoughSamples);
+    Eigen::Matrix<float, 6, 6> A = Eigen::Matrix<float, 6, 6>::Zero();
+    Eigen::Matrix<float, 6, 1> g = Eigen::Matrix<float, 6, 1>::Zero();
+    for (int first = 0; first < padded; first += stride) {
+      blocks_[block_count_++] = first;
+      const auto E = rows.J.block<8, 6>(first, kB);
+      A.noalias() += E.transpose() * E;
+      g.noalias() += E.transpose() * rows.r.segment<8>(first);
+    }
     even_.compute(A);
-    r_.head(padded).noalias() -= E * even_.solve(E.transpose() * r_.head(padded));
-    explained_ = static_cast<float>(kExplained) * r_.head(padded).squaredNorm();
+    const Eigen::Matrix<float, 6, 1> part = even_.solve(g);
+    for (int block = 0; block < block_count_; ++block) {
+      const int first = blocks_[block];
+      r_.segment<8>(first) = rows.r.segment<8>(first) - rows.J.block<8, 6>(first, kB) * part;
+      all_ += r_.segment<8>(first).squaredNorm();
+    }
   }
 
   /// Keeps `light` with its best steps if it explains more than any before.
@@ -43,7 +57,8 @@ class Search {
     Eigen::Vector2f g = Eigen::Vector2f::Zero();
     Eigen::Matrix2f G = Eigen::Matrix2f::Zero();
     Eigen::Matrix<float, 6, 2> common = Eigen::Matrix<float, 6, 2>::Zero();
-    for (int first = 0; first < padded_; first += 8) {
+    for (int block = 0; block < block_count_; ++block) {
+      const int first = blocks_[block];
       Eigen::Matrix<float, 8, 2> S;
       const Lanes share = LightLanes(light, x.segment<8>(first), y.segment<8>(first)).share;
       S.col(0) = share * used.segment<8>(first);
@@ -55,21 +70,22 @@ class Search {
     G -= common.transpose() * even_.solve(common);
     if (!(G(0, 0) > 1.0F) || !(G.determinant() > 1e-3F * G(0, 0) * G(1, 1))) return;
     const Eigen::Vector2f steps = G.inverse() * g;
-    if (!(g.dot(steps) > explained_)) return;
-    explained_ = g.dot(steps);
+    const double explained = g.dot(steps) / std::max(all_, 1e-6F);
+    if (!(explained > (best ? best->explained : kExplained))) return;
     light.black_step = steps[0];
     light.contrast_step = steps[1];
-    best = light;
+    best = {light, explained};
   }
 
-  std::optional<UnevenLight> best;
+  std::optional<FoundLight> best;
 
  private:
   const Rows& rows_;
-  int padded_;
+  std::array<int, TemplateSamples::kCapacity / 8> blocks_{};  ///< first samples of those that are used
+  int block_count_ = 0;
   Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r_;
   Eigen::LDLT<Eigen::Matrix<float, 6, 6>> even_;
-  float explained_ = 0.0F;
+  float all_ = 0.0F;  ///< the sum of squares that is to be explained
 };
 
 double spread(int index, int count) { return kFarthest * (2.0 * index / (count - 1) - 1.0); }
@@ -115,10 +131,9 @@ UnevenLight UnevenLight::moved(const Eigen::Matrix<double, kLightParameters, 1>&
   return to;
 }
 
-std::optional<UnevenLight> find_uneven_light(UnevenLight::Shape shape, const Rows& rows, int count) {
-  const int padded = (count + 7) / 8 * 8;
-  if (padded < 4 * kShadedParameters) return std::nullopt;
-  Search search(rows, padded);
+std::optional<FoundLight> find_uneven_light(UnevenLight::Shape shape, const Rows& rows, int count) {
+  if (count < 4 * kShadedParameters) return std::nullopt;
+  Search search(rows, count);
   UnevenLight light;
   light.shape = shape;
   if (shape == UnevenLight::Shape::edge) {
