@@ -42,6 +42,20 @@ inline void bind_tag_tracker(py::module_& m) {
           "nHt", [](const TagPrediction& prediction) { return to_array(prediction.nHt); },
           "(3, 3): tag coordinates, in which the square's corners are at +-1, to the undistorted plane Z = 1")
       .def_readonly("search_px", &TagPrediction::search_px, "how far from there it may be [px]");
+  py::class_<UnevenLight>(m, "UnevenLight", "A shadow or a reflection on a tag; lengths are in half sides of it.")
+      .def_property_readonly(
+          "shape", [](const UnevenLight& light) { return light.shape == UnevenLight::Shape::edge ? "edge" : "spot"; },
+          "\"edge\": place is (angle across it [rad], offset, width); \"spot\": (x, y, radius)")
+      .def_readonly("black_step", &UnevenLight::black_step, "of black where it has its full share [gray levels]")
+      .def_readonly("contrast_step", &UnevenLight::contrast_step, "of the contrast there [gray levels]")
+      .def_readonly("place", &UnevenLight::place, "(3,), see shape")
+      .def(
+          "share_at",
+          [](const UnevenLight& light, const std::array<double, 2>& tag) {
+            return light.share_at({tag[0], tag[1]});
+          },
+          py::arg("tag"), "Its share, 0 to 1, at a place in tag coordinates (2,).")
+      .def("mean_share", &UnevenLight::mean_share, "Its share over the tag.");
   py::class_<Registration>(m, "Registration", "A template laid over a picture so that it fits best; not read yet.")
       .def_property_readonly(
           "nHt", [](const Registration& fit) { return to_array(fit.nHt); },
@@ -58,6 +72,8 @@ inline void bind_tag_tracker(py::module_& m) {
           "covariance_px2", [](const Registration& fit) { return to_array(fit.covariance_px2); },
           "(8, 8) of the corners (u0, v0, u1, v1, ...)")
       .def_readonly("appearance", &Registration::appearance, "Appearance: gray levels and blur")
+      .def_readonly("light", &Registration::light,
+                    "UnevenLight: a shadow or a reflection on the tag, or None; appearance has its mean levels")
       .def_readonly("cell_px", &Registration::cell_px, "shorter side of a cell [px]")
       .def_readonly("residual_rms", &Registration::residual_rms,
                     "RMS of what the template does not explain [gray levels]")

@@ -18,8 +18,9 @@ constexpr double kLightReach = 0.6;  ///< cells: a cell's own gray counts four t
 constexpr double kLitBetter = 0.8;   ///< a fit with local levels must leave less than this of the residual
 constexpr std::size_t kCauses = 5;
 constexpr double kLittle_contrasts = 0.028;
-constexpr double kWorthwhile = 30.0;  ///< of the likelihood ratio, see explains_more()
-constexpr double kBentFrom_px = 2.0;  ///< a side of a cell; below, a bend cannot be seen
+constexpr double kLeastContrast = 0.1;  ///< of the contrast in full light, what is left in the deepest shadow
+constexpr double kWorthwhile = 30.0;    ///< of the likelihood ratio, see explains_more()
+constexpr double kBentFrom_px = 2.0;    ///< a side of a cell; below, a bend cannot be seen
 constexpr double kUselessResidual_contrasts = 0.12;
 constexpr double kInnerBetter = 0.8;  ///< the same without the outer edges
 
@@ -39,7 +40,8 @@ bool explains_more(const Fit& fit, const Fit& plain, const Task& task) {
 /// their levels, and for an edge of light to lie apart from theirs. False if it does not converge, or explains the
 /// picture hardly better than `plain`, if that is a fit.
 bool settle_lit(Task& task, LevelField& light, const Fit* plain, Fit& fit) {
-  if (task.cell_px < kLitFrom_px || !light.measure(task.image, task.camera, fit.warp, task.pattern, kLightReach, false))
+  if (task.cell_px < kLitFrom_px ||
+      !light.measure(task.image, task.camera, fit.warp, task.pattern, LevelField::Light::stepped, kLightReach, false))
     return false;
   const Appearance levels = fit.appearance;
   // From here on the levels are what is added to those of the light.
@@ -71,6 +73,15 @@ bool settle_inside(Task& task, const Fit* plain, Fit& fit) {
   return settled && (plain == nullptr || unexplained(fit) < kInnerBetter * unexplained(*plain));
 }
 
+/// Light leaves a contrast between black and white, unless it is more than the camera can show. What leaves none is an
+/// object in front of the tag.
+bool is_light(const Fit& fit) {
+  const double without = fit.appearance.contrast(), with = without + fit.light->contrast_step;
+  const double white = fit.appearance.white + fit.light->black_step + fit.light->contrast_step;
+  const double least = std::min(without, with);
+  return least > kLeastContrast * std::max(without, with) || (least == with && white >= kClipped);
+}
+
 /// The same in light of a simple shape, from about where it is, and from two places of the tag: that of `fit`, and that
 /// where it was expected, from which uneven light has not drawn it away.
 bool settle_shaded(Task& task, const std::optional<UnevenLight>& light, const TagWarp& expected, const Fit* plain,
@@ -86,7 +97,7 @@ bool settle_shaded(Task& task, const std::optional<UnevenLight>& light, const Ta
     settled = settle(task, true, fit);  // once more, for its normal equations
   }
   task.model = Model::even;
-  return settled && (plain == nullptr || explains_more(fit, *plain, task));
+  return settled && is_light(fit) && (plain == nullptr || explains_more(fit, *plain, task));
 }
 
 /// By how much a bend could at most lower the sum of squares of the fit of a flat tag that `task` holds.
@@ -105,6 +116,10 @@ struct Likely {
   double explained = 0.0;  ///< share of what the plain fit left, before anything was fitted
   std::optional<UnevenLight> light;
 };
+
+bool less_likely(const Likely& a, const Likely& b) {
+  return a.explained != b.explained ? a.explained < b.explained : a.cause > b.cause;
+}
 
 Likely how_likely(Cause cause, Task& task, const Fit* plain) {
   Likely likely{cause, 0.0, std::nullopt};
@@ -156,7 +171,6 @@ bool settle_best(std::initializer_list<Cause> causes, Task& task, const TagWarp&
   const auto end = std::transform(causes.begin(), causes.end(), likely.begin(), [&](Cause cause) {
     return how_likely(cause, task, plain != nullptr ? &flat : nullptr);
   });
-  std::stable_sort(likely.begin(), end, [](const Likely& a, const Likely& b) { return a.explained > b.explained; });
   const auto settle_as = [&](const Likely& each, const Fit* than, Fit& trial) {
     switch (each.cause) {
       case Cause::shadow:
@@ -168,6 +182,7 @@ bool settle_best(std::initializer_list<Cause> causes, Task& task, const TagWarp&
   };
   const Likely* best = nullptr;
   for (auto each = likely.begin(); each != end; ++each) {
+    std::iter_swap(each, std::max_element(each, end, less_likely));
     Fit trial = from;
     if (!settle_as(*each, plain != nullptr ? &flat : nullptr, trial)) continue;
     if (best != nullptr && unexplained(trial) >= unexplained(fit)) continue;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kReach = 3;  ///< cells farther away do not count
 /// What is expected of slopes and curvatures: they count as so many cells without any.
-constexpr float kSlope = 0.02F, kCurvature = 0.1F;
+constexpr float kSlope = 0.02F, kCurvature = 0.1F, kFlat = 1e6F;
 
 /// The weighted mean of 3 x 3 pixels; negative outside the picture.
 float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
@@ -36,14 +36,16 @@ float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
 /// The paraboloid through the grays of one colour.
 struct Surface {
   using Terms = Eigen::Matrix<float, 6, 1>;
-  Eigen::Matrix<float, 6, 6> information = prior();
+  Eigen::Matrix<float, 6, 6> information;
   Terms gradient = Terms::Zero();
   float weights = 0.0F;
 
-  static Eigen::Matrix<float, 6, 6> prior() {
+  explicit Surface(LevelField::Light light) {
+    const bool smooth = light == LevelField::Light::smooth;
+    const float slope = smooth ? kSlope : kFlat, curvature = smooth ? kCurvature : kFlat;
     Terms diagonal;
-    diagonal << 1e-9F, kSlope, kSlope, kCurvature, kCurvature, kCurvature;
-    return diagonal.asDiagonal();
+    diagonal << 1e-9F, slope, slope, curvature, curvature, curvature;
+    information = diagonal.asDiagonal();
   }
 
   void add(int i, int j, float weight, float gray) {
@@ -65,7 +67,7 @@ struct Surface {
 }  // namespace
 
 bool LevelField::measure(const ImageView& image, const CameraModel& camera, const TagWarp& warp,
-                         const TagPattern& pattern, double reach_cells, bool without_own) {
+                         const TagPattern& pattern, Light light, double reach_cells, bool without_own) {
   side_ = pattern.cells - 2 * TagPattern::kMargin;
   cell_side_ = pattern.cell_side;
   if (side_ > kSide) return false;
@@ -89,7 +91,7 @@ bool LevelField::measure(const ImageView& image, const CameraModel& camera, cons
 
   for (int row = 0; row < side_; ++row)
     for (int column = 0; column < side_; ++column) {
-      Surface surface[2];
+      Surface surface[2] = {Surface(light), Surface(light)};
       for (int j = std::max(row - kReach, 0); j <= std::min(row + kReach, side_ - 1); ++j)
         for (int i = std::max(column - kReach, 0); i <= std::min(column + kReach, side_ - 1); ++i) {
           const std::size_t index = static_cast<std::size_t>(j) * kSide + i;

@@ -17,10 +17,15 @@ class LevelField {
   struct Levels {
     double black = 0.0, white = 0.0;
   };
+  /// How light changes from cell to cell.
+  enum class Light {
+    smooth,   ///< a reflection, a wide penumbra: levels lie on curved surfaces
+    stepped,  ///< the edge of a shadow: they are means of what is near
+  };
   /// With `without_own`, a cell's own gray does not count for its own levels: its colour can be judged by them.
   /// `reach_cells` is the standard deviation of the weights. False if too few cells are in the picture.
   bool measure(const ImageView& image, const CameraModel& camera, const TagWarp& warp, const TagPattern& pattern,
-               double reach_cells, bool without_own);
+               Light light, double reach_cells, bool without_own);
   Levels at(const Eigen::Vector2d& tag) const;  ///< in tag coordinates
 
  private:

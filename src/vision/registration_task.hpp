@@ -3,11 +3,11 @@
 #include <Eigen/Cholesky>
 #include <optional>
 
+#include "light_search.hpp"
 #include "pilotfish/vision/tag_registration.hpp"
 #include "registration_rows.hpp"
 #include "tag_warp.hpp"
 #include "template_samples.hpp"
-#include "uneven_light.hpp"
 
 // What the parts of one fit of a template share; tag_registration.cpp says what is fitted.
 

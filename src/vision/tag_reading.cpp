@@ -30,7 +30,7 @@ double bilinear(const ImageView& image, const Eigen::Vector2d& pixel) {
 }
 
 constexpr double kBeside_cells = 0.2;  ///< from a cell's middle; a ring cut to half its width is still white there
-constexpr double kLocalReach_cells = 1.5;
+constexpr double kSmoothReach_cells = 1.5, kSteppedReach_cells = 0.9;
 constexpr double kMinLocalContrast = 0.3;  ///< of the tag's: with less around a cell, it is not read
 
 /// The shares of the cells to the left, here and to the right in the blurred template, `offset` from a cell's middle;
@@ -59,6 +59,7 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
   // By offset: to the left or up, none, to the right or down.
   const Shares shares_x[3] = {{-kBeside_cells, sigma.x()}, {0.0, sigma.x()}, {kBeside_cells, sigma.x()}};
   const Shares shares_y[3] = {{-kBeside_cells, sigma.y()}, {0.0, sigma.y()}, {kBeside_cells, sigma.y()}};
+  const double mean_share = registration.light ? registration.light->mean_share() : 0.0;
   TagReading reading;
   double sum = 0.0;
   for (const TagPattern::Cell& cell : pattern.known) {
@@ -67,8 +68,14 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     const double sign = cell.white ? 1.0 : -1.0;
     const auto levels_at = [&](const Eigen::Vector2d& place) -> LevelField::Levels {
       if (light != nullptr) return light->at(cell.centre);
-      const double black = appearance.black + appearance.black_slope.dot(place);
-      return {black, black + appearance.contrast() + appearance.contrast_slope.dot(place)};
+      double black = appearance.black + appearance.black_slope.dot(place);
+      double contrast = appearance.contrast() + appearance.contrast_slope.dot(place);
+      if (registration.light) {
+        const double more = registration.light->share_at(place) - mean_share;
+        black += more * registration.light->black_step;
+        contrast += more * registration.light->contrast_step;
+      }
+      return {std::min(black, 255.0), std::min(black + contrast, 255.0)};
     };
     struct Place {
       Eigen::Vector2d tag, pixel;
@@ -97,7 +104,7 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     const double contrast = levels.white - levels.black;
     if (cell.data) ++reading.bits;
     if (!is_inside(place.pixel, image.width, image.height) ||
-        (light != nullptr && contrast < kMinLocalContrast * appearance.contrast())) {
+        ((light != nullptr || registration.light) && contrast < kMinLocalContrast * appearance.contrast())) {
       reading.unread_bits += cell.data ? 1 : 0;
       continue;
     }
@@ -130,15 +137,22 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
 
 TagReading read_tag(const ImageView& image, const CameraModel& camera, const TagPattern& pattern,
                     const Registration& registration) noexcept {
-  const TagReading reading = read_cells(image, camera, pattern, registration, nullptr);
-  if (reading.wrong_bits == 0 && reading.wrong_frame_cells == 0) return reading;
-  LevelField light;
-  if (!light.measure(image, camera, TagWarp(camera, registration.nHt, registration.bend), pattern, kLocalReach_cells,
-                     true))
-    return reading;
-  const TagReading locally = read_cells(image, camera, pattern, registration, &light);
   const auto wrong = [](const TagReading& r) { return r.wrong_bits + r.unread_bits + r.wrong_frame_cells; };
-  return wrong(locally) < wrong(reading) ? locally : reading;
+  const TagWarp warp(camera, registration.nHt, registration.bend);
+  TagReading best = read_cells(image, camera, pattern, registration, nullptr);
+  struct {
+    LevelField::Light light;
+    double reach_cells;
+  } const trials[] = {{LevelField::Light::smooth, kSmoothReach_cells},
+                      {LevelField::Light::stepped, kSteppedReach_cells}};
+  for (const auto& trial : trials) {
+    if (best.wrong_bits == 0 && best.wrong_frame_cells == 0) break;
+    LevelField light;
+    if (!light.measure(image, camera, warp, pattern, trial.light, trial.reach_cells, true)) break;
+    const TagReading reading = read_cells(image, camera, pattern, registration, &light);
+    if (wrong(reading) < wrong(best)) best = reading;
+  }
+  return best;
 }
 
 }  // namespace pilotfish::vision

@@ -94,6 +94,7 @@ std::optional<Registration> register_tag(const ImageView& image, const CameraMod
   Registration found;
   found.nHt = fit.warp.nHt();
   found.bend = fit.warp.bend;
+  found.light = fit.light;
   found.corners_px = tag_corners_px(camera, fit.warp.tangent());
   found.covariance_px2 = covariance.px2;
   const double shape_px = shape_sigma_px(fit.appearance, cell_px);

@@ -69,7 +69,7 @@ void apply(const Parameters& step, bool with_blur, Model model, Fit& fit) {
     fit.warp.bend = (fit.warp.bend + step.segment<3>(kBend)).cwiseMax(-kLargestBend).cwiseMin(kLargestBend);
     fit.warp.aim_normal();
   }
-  if (model == Model::shaded) fit.light = fit.light->moved(step.segment<kLightParameters>(kLight));
+  if (model == Model::shaded) fit.light = moved(*fit.light, step.segment<kLightParameters>(kLight));
   fit.appearance.black += step[kB];
   fit.appearance.white += step[kB] + step[kC];
   fit.appearance.black_slope += step.segment<2>(kBx);

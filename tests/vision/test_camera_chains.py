@@ -88,6 +88,21 @@ def test_a_tag_is_measured_through_the_reflection_of_a_lamp(place_m, distance_m)
     assert off @ np.linalg.solve(tag.covariance_px2, off) < 52.0
 
 
+def test_a_fit_says_where_the_edge_of_a_shadow_is():
+    # 30 % of the light beyond a line 0.02 m right of the tag's middle, 0.5 rad turned: a quarter of half a side.
+    tracker = vision.TagTracker(camera=VGA, body=LEADER)
+    cMt = tag_pose(0.65, yaw_rad=0.2)
+    place = tracker.predict_at(SHEET.tag_id, corners_px=corners_px(VGA, cMt)).nHt
+    image = photograph(cMt, lighting=Lighting(shadow=0.3, shadow_at_m=0.02, shadow_angle_rad=0.5))
+    light = tracker.align(image, SHEET.tag_id, nHt=place).light
+    assert light.shape == "edge"
+    assert light.place[:2] == pytest.approx([0.5, 0.02 / 0.08], abs=0.03)
+    # Full light is on the side to which the line is turned: there its share is one.
+    assert light.share_at([0.9, 0.0]) > 0.99 > 0.01 > light.share_at([-0.5, 0.0])
+    assert light.contrast_step > 30.0
+    assert tracker.align(photograph(cMt), SHEET.tag_id, nHt=place).light is None
+
+
 def test_a_print_with_spots_is_read_beside_them():
     # 60 spots without toner, of a fifth of a cell each: some lie in the middle of a bit.
     figures = followed("white spots", 0.65, count=24)

@@ -8,6 +8,7 @@
 #include "pilotfish/core/camera_model.hpp"
 #include "pilotfish/core/frame.hpp"
 #include "pilotfish/vision/tag_pattern.hpp"
+#include "pilotfish/vision/uneven_light.hpp"
 
 PILOTFISH_API_BEGIN
 namespace pilotfish::vision {
@@ -36,6 +37,8 @@ struct Registration {
   Eigen::Matrix3d nHt = Eigen::Matrix3d::Identity();
   /// Curvatures of the sheet, xx, xy and yy, in half sides of the tag over the radius; zero for a flat one.
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  /// A shadow or a reflection on the tag, if there is one. The levels of `appearance` are those with its mean share.
+  std::optional<UnevenLight> light;
   /// Of the square, in the picture as it is; AprilTag's order. Of a bent sheet: where they were if it were flat.
   std::array<Eigen::Vector2d, 4> corners_px;
   Matrix8d covariance_px2 = Matrix8d::Zero();  ///< of (u0, v0, u1, v1, ...), from the measured noise
