@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from recordings import PERIOD_US, Writer
+from recordings import COASTING, LOST, NO_FRAME, PERIOD_US, STOP_REQUESTED, STOPPED, Writer
 
 from pilotfish.logs import read_run
 from pilotfish.logs.notes import Settings, SettingsFile
@@ -112,6 +112,27 @@ def test_a_run_of_one_frame_without_a_leader_has_figures_all_the_same(tmp_path):
     summary = summarize(robot_of(writer))
     assert math.isnan(summary.rms_distance_error_mm) and math.isnan(summary.settling_s)
     assert all(shown(name, getattr(summary, name)) for name in TITLES)
+
+
+def test_zeros_for_want_of_a_picture_are_counted_each_stretch_once(tmp_path):
+    """Before the first picture nothing was followed; then 3 zeros in one gap, and 1 in another, 0.2 s and 0.1 s long. A
+    gap that was only coasted through, and a stop, are none."""
+    writer = Writer(tmp_path / "run.log")
+    writer.command(LOST, NO_FRAME, linear_mps=0.0)
+    for k in range(40):
+        writer.frame()
+        zeros = {10: 3, 20: 1}.get(k, 0)
+        if zeros or k == 30:
+            writer.command(COASTING, NO_FRAME)
+        for _ in range(zeros):
+            writer.wall_us += 50_000
+            writer.command(LOST, NO_FRAME, linear_mps=0.0)
+        writer.passes()
+    writer.command(STOPPED, STOP_REQUESTED, linear_mps=0.0)
+    summary = summarize(robot_of(writer))
+    assert summary.zeros_without_picture == 2
+    assert summary.followed_share == 1.0  # of the frames: these say nothing of it
+    assert shown("zeros_without_picture", summary.zeros_without_picture) == "2"
 
 
 def test_every_figure_has_a_title():

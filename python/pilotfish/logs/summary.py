@@ -12,10 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pilotfish.logs.run import RobotRun
+from pilotfish.logs.run import RobotRun, Table
 from pilotfish.metrics import settling_time_s, steady_window
 from pilotfish.recording import wrap_angle
 
+_NO_PICTURE = ("no_frame", "frame_stale")  # reasons: none came, or it was too old
+_FOLLOWING = ("tracking", "coasting")  # statuses in which a robot may move
 _REGULAR = 1.5  # times the median period: frames further apart are not neighbours
 
 
@@ -43,6 +45,7 @@ class Summary:
     processing_p50_ms: float
     processing_p99_ms: float
     missed_deadlines: int
+    zeros_without_picture: float  # times that zero was commanded for want of a picture; NaN: no commands recorded
 
 
 TITLES = {
@@ -66,6 +69,7 @@ TITLES = {
     "processing_p50_ms": ("processing: median", "ms", 2),
     "processing_p99_ms": ("processing: 99th percentile", "ms", 2),
     "missed_deadlines": ("missed deadlines", "", 0),
+    "zeros_without_picture": ("commanded zero for want of a picture, while following", "times", 0),
 }
 
 
@@ -100,7 +104,19 @@ def summarize(run: RobotRun) -> Summary:
         processing_p50_ms=_percentile(frames["processing_ms"], 50),
         processing_p99_ms=_percentile(frames["processing_ms"], 99),
         missed_deadlines=_sum_over_sessions(frames["missed_deadlines"], frames["session"]),
+        zeros_without_picture=zeros_without_picture(run.commands),
     )
+
+
+def zeros_without_picture(commands: Table) -> float:
+    """How often a robot that followed was told to stand still because no picture came in time: stretches of such
+    commands, each counted once. Frames know nothing of them: they are sent where there is none."""
+    if not len(commands):
+        return np.nan
+    waits = np.isin(commands.words("reason"), _NO_PICTURE) & ~np.isin(commands.words("status"), _FOLLOWING)
+    followed = np.isin(commands.words("status"), _FOLLOWING)
+    same_start = commands["session"][1:] == commands["session"][:-1]
+    return float(np.count_nonzero(waits[1:] & followed[:-1] & same_start))
 
 
 def shown(name: str, value: float) -> str:

@@ -21,14 +21,34 @@ from pilotfish.recording import FloatArray, wrap_angle
 
 Runs = Mapping[str, RobotRun]  # by what the legend says
 _SEEN_S = 1e-3  # a status that ends within so much of the first frame is one from before it
-_PANELS: tuple[tuple[str, Callable[[Table], FloatArray]], ...] = (
-    ("distance error\ne = $d_p$ - d [mm]", lambda frames: 1e3 * frames["error_m"]),
-    (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda frames: rms_error_mm(frames)),
-    ("bearing error\nθ - $θ_{pd}$ [°]", lambda frames: np.degrees(bearing_error_rad(frames))),
-    ("command:\nspeed [m/s]", lambda frames: frames["command_linear_mps"]),
-    ("command:\nturn rate [°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
-    ("latency [ms]", lambda frames: 1e3 * frames["latency_s"]),
+Curve = tuple[FloatArray, FloatArray]  # time since the recording began [s], values; shapes (N,)
+_PANELS: tuple[tuple[str, Callable[[RobotRun], Curve]], ...] = (
+    ("distance error\ne = $d_p$ - d [mm]", lambda run: _of_frames(run, 1e3 * run.frames["error_m"])),
+    (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda run: _of_frames(run, rms_error_mm(run.frames))),
+    ("bearing error\nθ - $θ_{pd}$ [°]", lambda run: _of_frames(run, np.degrees(bearing_error_rad(run.frames)))),
+    ("command:\nspeed [m/s]", lambda run: sent_speed_mps(run)),
+    ("command:\nturn rate [°/s]", lambda run: sent_turn_rate_degps(run)),
+    ("latency [ms]", lambda run: _of_frames(run, 1e3 * run.frames["latency_s"])),
 )
+
+
+def sent_speed_mps(run: RobotRun) -> Curve:
+    """Every command that was sent: also the zeros between two frames, of which the frames know nothing. The frames'
+    commands where a recording has no others."""
+    if not len(run.commands):
+        return _of_frames(run, run.frames["command_linear_mps"])
+    return run.commands["t_s"], run.commands["linear_mps"]
+
+
+def sent_turn_rate_degps(run: RobotRun) -> Curve:
+    """The same of the turn rate [deg/s]."""
+    if not len(run.commands):
+        return _of_frames(run, np.degrees(run.frames["command_angular_radps"]))
+    return run.commands["t_s"], np.degrees(run.commands["angular_radps"])
+
+
+def _of_frames(run: RobotRun, values: FloatArray) -> Curve:
+    return run.frames["t_s"], values
 
 
 def bearing_error_rad(frames: Table) -> FloatArray:
@@ -58,8 +78,11 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
             if "RMS" not in label:
                 axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
             for name, run in runs.items():
-                curve = thinned(_times(run, runs), values(run.frames))
-                (line,) = axes.plot(*curve, **lines[name], label=name)
+                time_s, shown = values(run)
+                curve = thinned(time_s - _origin_s(run, runs), shown)
+                # A command is held until the next one.
+                held = "steps-post" if label.startswith("command") else "default"
+                (line,) = axes.plot(*curve, **lines[name], label=name, drawstyle=held)
                 dots = alone(*curve)
                 if len(dots[0]):
                     axes.plot(*dots, ".", markersize=3.0, color=line.get_color())

@@ -34,6 +34,7 @@ _TILES = (
     "rms_bearing_error_deg",
     "settling_s",
     "latency_p99_ms",
+    "zeros_without_picture",
 )
 _NOT_SETTLED = (
     "in its last quarter the distance error left its mean by more than 50 mm, or there was too little of it. "
