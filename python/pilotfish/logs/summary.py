@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from pilotfish.logs.run import RobotRun, Table
 from pilotfish.metrics import settling_time_s, steady_window
 from pilotfish.recording import wrap_angle
+from pilotfish.zero_commands import FOLLOWING, NO_PICTURE
 
-_NO_PICTURE = ("no_frame", "frame_stale")  # reasons: none came, or it was too old
-_FOLLOWING = ("tracking", "coasting")  # statuses in which a robot may move
 _REGULAR = 1.5  # times the median period: frames further apart are not neighbours
 
 
@@ -113,8 +112,8 @@ def zeros_without_picture(commands: Table) -> float:
     commands, each counted once. Frames know nothing of them: they are sent where there is none."""
     if not len(commands):
         return np.nan
-    waits = np.isin(commands.words("reason"), _NO_PICTURE) & ~np.isin(commands.words("status"), _FOLLOWING)
-    followed = np.isin(commands.words("status"), _FOLLOWING)
+    waits = np.isin(commands.words("reason"), NO_PICTURE) & ~np.isin(commands.words("status"), FOLLOWING)
+    followed = np.isin(commands.words("status"), FOLLOWING)
     same_start = commands["session"][1:] == commands["session"][:-1]
     return float(np.count_nonzero(waits[1:] & followed[:-1] & same_start))
 
