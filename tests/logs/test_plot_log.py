@@ -172,3 +172,22 @@ def test_a_run_without_a_leader_is_drawn(tmp_path):
     robot = read_run(writer.file).robots["robot1"]
     save(draw_run_overview({"robot1": robot}), tmp_path / "a.png")
     save(draw_relative_view({"robot1": robot}), tmp_path / "b.png")
+
+
+def test_where_nothing_was_measured_words_stand_instead_of_an_empty_axis(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(30):
+        writer.frame(None)
+        writer.passes()
+    runs = {"robot1": read_run(writer.file).robots["robot1"]}
+    _, *panels = draw_run_overview(runs).axes
+    words = [[text.get_text() for text in axes.texts] for axes in panels]
+    cause = "the leader was never measured: no tag in the picture (all 30 frames)"
+    assert words == [[cause], ["never measured"], ["never measured"], [], [], []]
+    for axes in panels[:3]:
+        assert not any(line.get_visible() for line in axes.get_lines())
+        assert not any(label.get_visible() for label in axes.get_yticklabels())
+    above = draw_relative_view(runs)
+    assert [text.get_text().replace("\n", " ") for text in above.axes[0].texts] == [cause]
+    # No name in the legend of what is not in the picture.
+    assert [text.get_text() for text in above.legends[0].get_texts()] == ["the robot", "setpoint"]

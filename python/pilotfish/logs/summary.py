@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pilotfish.logs.beginning import approach_is_missing
 from pilotfish.logs.run import RobotRun, Table
 from pilotfish.metrics import settling_time_s, steady_window
 from pilotfish.recording import wrap_angle
@@ -80,7 +81,8 @@ def summarize(run: RobotRun) -> Summary:
     bearing_rad = wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])
     last, steady = _last_stretch(run)
     distance_mm, bearing_rad = 1e3 * frames["error_m"][steady], bearing_rad[steady]
-    settled_s = settling_time_s(time_s[last], frames["error_m"][last]) if last.size else None
+    approach = last[:0] if approach_is_missing(run) else last
+    settled_s = settling_time_s(time_s[approach], frames["error_m"][approach]) if approach.size else None
     latency_ms, duration_s = 1e3 * frames["latency_s"], float(time_s[-1] - time_s[0])
     return Summary(
         duration_s=duration_s,
@@ -93,7 +95,7 @@ def summarize(run: RobotRun) -> Summary:
         rms_bearing_error_deg=float(np.degrees(_rms(bearing_rad))),
         p95_bearing_error_deg=float(np.degrees(_percentile(np.abs(bearing_rad), 95))),
         steady_distance_error_mm=float(distance_mm.mean()) if distance_mm.size else np.nan,
-        approach_from_mm=1e3 * float(frames["error_m"][last[0]]) if last.size else np.nan,
+        approach_from_mm=1e3 * float(frames["error_m"][approach[0]]) if approach.size else np.nan,
         settling_s=np.nan if settled_s is None else settled_s,
         rms_whole_distance_error_mm=_rms(1e3 * frames["error_m"][following]),
         rms_jerk_mps3=rms_jerk_mps3(time_s, frames["command_linear_mps"]),

@@ -3,7 +3,8 @@ doing. Several runs in the same axes, from their beginnings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from pilotfish.logs.run import RobotRun, Table
+from pilotfish.logs.unseen import never_measured
 from pilotfish.plots.run_lines import run_lines
 from pilotfish.plots.status_band import draw_status_band, status_stretches
 from pilotfish.plots.status_colours import STATUS_COLOURS
@@ -20,6 +22,7 @@ from pilotfish.plots.traces import MIN_SHOWN_MM, RMS_WINDOW_S, logarithmic_mm, r
 from pilotfish.recording import FloatArray, wrap_angle
 
 Runs = Mapping[str, RobotRun]  # by what the legend says
+_LINE_LETTERS = 80
 _SEEN_S = 1e-3  # a status that ends within so much of the first frame is one from before it
 Curve = tuple[FloatArray, FloatArray]  # time since the recording began [s], values; shapes (N,)
 _PANELS: tuple[tuple[str, Callable[[RobotRun], Curve]], ...] = (
@@ -87,6 +90,7 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
                 if len(dots[0]):
                     axes.plot(*dots, ".", markersize=3.0, color=line.get_color())
             axes.set_ylabel(label)
+        _say_what_is_not_there(panels, runs)
         panels[1].set_ylim(*_limits_mm([rms_error_mm(run.frames) for run in runs.values()]))
         logarithmic_mm(panels[1])
         panels[-1].set_ylim(bottom=0.0)
@@ -100,6 +104,21 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         if title:
             band.set_title(title)
     return figure
+
+
+def _say_what_is_not_there(panels: Sequence[Axes], runs: Runs) -> None:
+    """An axis without a curve has numbers that mean nothing: words stand there instead, with the cause in the first."""
+    unseen = [text for run in runs.values() if (text := never_measured(run))]
+    why = "\n".join("\n".join(wrap(text, _LINE_LETTERS)) for text in dict.fromkeys(unseen))
+    for number, (axes, (_, values)) in enumerate(zip(panels, _PANELS, strict=True)):
+        if any(np.isfinite(values(run)[1]).any() for run in runs.values()):
+            continue
+        axes.tick_params(axis="y", which="both", left=False, labelleft=False)
+        axes.grid(visible=False)
+        for line in axes.get_lines():  # the zero, which would run through the words
+            line.set_visible(False)
+        words = why if number == 0 and why else "never measured"
+        axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", fontsize=10)
 
 
 def _limits_mm(curves: list[FloatArray]) -> tuple[float, float]:

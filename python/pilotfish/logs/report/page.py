@@ -9,6 +9,7 @@ from html import escape
 
 import numpy as np
 
+from pilotfish.logs.beginning import approach_is_missing, late_beginnings
 from pilotfish.logs.report.look import CSS
 from pilotfish.logs.report.tables import (
     counter_table,
@@ -21,7 +22,8 @@ from pilotfish.logs.report.tables import (
 from pilotfish.logs.run import RobotRun, Run
 from pilotfish.logs.same_run import same_runs
 from pilotfish.logs.settings_keys import differences
-from pilotfish.logs.summary import TITLES, shown, summarize
+from pilotfish.logs.summary import TITLES, Summary, shown, summarize
+from pilotfish.logs.unseen import never_measured
 from pilotfish.plots.inline_svg import inline_svg
 from pilotfish.plots.relative_view import draw_relative_view
 from pilotfish.plots.run_overview import draw_run_overview
@@ -37,8 +39,8 @@ _TILES = (
     "zeros_without_picture",
 )
 _NOT_SETTLED = (
-    "in its last quarter the distance error left its mean by more than 50 mm, or there was too little of it. "
-    "What stands as after the approach is that quarter all the same."
+    "has not settled: in its last quarter the distance error left its mean by more than 50 mm, or there was too little "
+    "of it. What stands as after the approach is that quarter all the same"
 )
 # Nothing may be loaded, whatever a recording has put into the page.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -98,13 +100,22 @@ def summary_section(runs: Sequence[ReportedRun]) -> str:
     )
     parts += [f'<p class="dim">{escape(pair.text)}</p>' for pair in same_runs({run.name: run.robot for run in runs})]
     parts += [
-        f'<p class="warning">{escape(name)} has not settled: {_NOT_SETTLED}</p>'
-        for name, summary in summaries.items()
-        if not np.isfinite(summary.settling_s)
+        f'<p class="warning">{escape(run.name)}: {escape(text)}.</p>'
+        for run in runs
+        for text in _provisos(run.robot, summaries[run.name])
     ]
     for run in runs:
         parts += [f'<p class="warning">{escape(run.name)}: {escape(text)}</p>' for text in _troubles(run.recording)]
     return "\n".join(parts)
+
+
+def _provisos(robot: RobotRun, summary: Summary) -> list[str]:
+    """What must be known of a run before its figures are read."""
+    if unseen := never_measured(robot):
+        return [unseen, *late_beginnings(robot)]
+    if approach_is_missing(robot):
+        return [f"{text}. The approach is not in it, and has no figures" for text in late_beginnings(robot)]
+    return [*late_beginnings(robot), *([] if np.isfinite(summary.settling_s) else [f"it {_NOT_SETTLED}"])]
 
 
 def _recorded(run: ReportedRun) -> str:
