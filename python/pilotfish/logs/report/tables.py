@@ -65,8 +65,14 @@ def event_table(events: Sequence[RunEvent]) -> str:
 
 
 def _event_row(event: RunEvent) -> str:
-    cells = (f"{event.t_s:.2f}", event.kind, event_words(event))
-    return "<tr>" + "".join(f'<td class="word">{escape(cell)}</td>' for cell in cells) + "</tr>"
+    return _event_cells(event.t_s, event.kind, escape(event_words(event)))
+
+
+def _event_cells(t_s: float, kind: str, what: str) -> str:
+    """``what`` is HTML."""
+    return (
+        f'<tr><td class="number">{t_s:.2f}</td><td class="label">{escape(kind)}</td><td class="word">{what}</td></tr>'
+    )
 
 
 def _repeats_row(repeats: Repeats) -> str:
@@ -81,9 +87,7 @@ def _repeats_row(repeats: Repeats) -> str:
     )
     note = _more_note(len(events) - MOST_EVENTS)
     details = f"<details><summary>{escape(said)}</summary>{each}{note}</details>"
-    return (
-        f'<tr><td class="word">{events[0].t_s:.2f}</td><td class="word">status</td><td class="word">{details}</td></tr>'
-    )
+    return _event_cells(events[0].t_s, "status", details)
 
 
 def _count(item: RunEvent | Repeats) -> int:
