@@ -387,25 +387,3 @@ def test_the_black_box_start_and_the_observation_type_are_still_what_the_reader_
     assert {"program", "command_line", "overrides", "files", "sequence", "session"} <= set(box_start_t.__slots__)
     assert {"detected", "reason", "covariance", "tags", "latency_s"} <= set(observation_t.__slots__)
     assert TRACKING == 1
-
-
-@pytest.mark.parametrize("beside", [False, True])
-def test_a_ring_without_its_oldest_file_says_how_long_after_the_start_it_begins(tmp_path, beside):
-    """The file's name says when the program started: 16.7 s before its first event. 500 calls are in earlier files."""
-    start_utime = WALL_US - 16_700_000
-    writer = Writer(tmp_path / f"robot1-{start_utime}-3.lcmlog")
-    if beside:
-        (tmp_path / f"robot1-{start_utime}-2.lcmlog").write_bytes(b"")
-    box = box_start_t()
-    box.robot, box.session, box.sequence = "robot1", writer.session, 500
-    writer.write("BOX", box)
-    for _ in range(3):
-        writer.frame()
-        writer.passes()
-    robot = read_run(writer.file).robots["robot1"]
-    kinds = [event.kind for event in robot.events]
-    assert "start" not in kinds and "setpoint" not in kinds
-    why = f"earlier files (robot1-{start_utime}-2.lcmlog, ...) are beside it and were not read"
-    what = why if beside else "earlier files were deleted"
-    text = f"the recording begins 16.7 s after the start of the coordinator: {what}"
-    assert [event.text for event in robot.events if event.kind == "begin"] == [text, "keeps 1.1 m at 0°, as before"]

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import struct
 
 import numpy as np
 import pytest
 from recordings import COASTING, LOST, NO_FRAME, NO_TAG, PERIOD_US, STOP_REQUESTED, STOPPED, Writer
 
 from pilotfish.logs import read_run
-from pilotfish.logs.beginning import approach_is_missing, late_beginnings
 from pilotfish.logs.notes import Settings, SettingsFile
 from pilotfish.logs.settings_keys import differences, keys_of
 from pilotfish.logs.summary import TITLES, Summary, rms_jerk_mps3, shown, summarize
@@ -182,52 +180,6 @@ def test_lists_of_tables_are_compared_by_their_place():
 )
 def test_texts_that_are_no_settings_do_no_harm(text):
     assert len(keys_of(settings(text))) <= 20_001
-
-
-def cut(writer, events):
-    """The recording without its first events, as a ring is whose oldest file has been deleted."""
-    data, at = writer.file.read_bytes(), 0
-    for _ in range(events):
-        letters, size = struct.unpack_from(">ii", data, at + 20)
-        at += 28 + letters + size
-    writer.file.write_bytes(data[at:])
-
-
-@pytest.mark.parametrize("first", ["COMMAND", "OBSERVATION", "STATUS"])
-def test_a_recording_that_begins_in_the_middle_of_a_run_has_no_start_and_no_approach(tmp_path, first):
-    """400 frames of three messages each; the first 100 frames are cut away, with the approach in them."""
-    writer = Writer(tmp_path / "run.log")
-    approach(writer)
-    cut(writer, 300 + ["COMMAND", "OBSERVATION", "STATUS"].index(first))
-    robot = robot_of(writer)
-    assert {event.kind for event in robot.events} == {"begin", "status"}
-    assert late_beginnings(robot) == [
-        "the recording begins after the start of the coordinator: "
-        f"{100 + (first != 'COMMAND')} commands of session 77 came before"
-    ]
-    summary = summarize(robot)
-    assert math.isnan(summary.settling_s) and math.isnan(summary.approach_from_mm)
-    assert summary.rms_distance_error_mm == pytest.approx(2.0, abs=1e-6)  # the last quarter is in it
-
-
-def test_a_setpoint_in_the_middle_of_such_a_recording_begins_an_approach(tmp_path):
-    writer = Writer(tmp_path / "run.log")
-    approach(writer)
-    approach(writer, setpoint_m=1.3)
-    cut(writer, 300)
-    robot = robot_of(writer)
-    assert not approach_is_missing(robot)
-    assert summarize(robot).settling_s == pytest.approx(45 * PERIOD_S, abs=1.1 * PERIOD_S)
-    assert [event.text for event in robot.events if event.kind == "setpoint"] == ["1.3 m at 0°"]
-
-
-def test_a_recording_without_commands_begins_where_it_begins(tmp_path):
-    writer = Writer(tmp_path / "run.log")
-    for _ in range(40):
-        writer.write("OBSERVATION", writer.observation(1.0))
-        writer.write("STATUS", writer.status(1.0))
-        writer.passes()
-    assert [event.kind for event in robot_of(writer).events] == ["start", "setpoint"]
 
 
 def test_a_run_without_a_measurement_names_the_cause_of_its_statuses(tmp_path):
