@@ -92,3 +92,9 @@ class ConfigError(PilotfishError, ValueError):
     key: str | None = None
 
     exit_code = 78
+
+
+class UsageError(ConfigError):
+    """An argument, or an option of a command, that cannot be used; no file is at fault. The message names it."""
+
+    exit_code = 64

@@ -17,9 +17,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from pilotfish.bus import BaseReport, Bus, BusError, Key, SetpointReport, StatusReport, load_key
+from pilotfish.bus import BaseReport, Bus, BusError, Key, SetpointReport, StatusReport, channel, load_key
 from pilotfish.core import Setpoint
-from pilotfish.errors import ConfigError, OperatorError, SilentRobotError
+from pilotfish.errors import ConfigError, OperatorError, SilentRobotError, UsageError
 
 WITHIN_S = 3.0
 _SEND_EVERY_S = 0.05
@@ -61,6 +61,10 @@ class Operator:
     """
 
     def __init__(self, robot: str, *, lcm_url: str = "", key: Key | None = None, key_file: Path | None = None) -> None:
+        try:
+            channel(robot, "STATUS")
+        except ValueError as error:
+            raise UsageError(str(error)) from error
         try:
             if key_file is not None:
                 key = load_key(str(key_file))

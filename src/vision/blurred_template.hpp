@@ -1,5 +1,6 @@
 #pragma once
 
+#include "normal_lanes.hpp"
 #include "template_samples.hpp"
 
 namespace pilotfish::vision {
@@ -29,13 +30,9 @@ struct CellShares {
     Lanes left = Lanes::Zero(), left_dx = Lanes::Zero(), left_dv = Lanes::Zero();
     for (int k = 0; k < 2 * R; ++k) {
       const Lanes z = ((static_cast<float>(k - R) + 0.5F) * cell_side - x) * inverse_sigma;
-      const Lanes size = z.abs().min(8.0F);
-      const Lanes gaussian = 0.39894228F * (-0.5F * size * size).exp();
-      // Abramowitz and Stegun 26.2.16: |error| < 1e-5, a four-hundredth of a gray level.
-      const Lanes t = (1.0F + 0.33267F * size).inverse();
-      const Lanes tail = gaussian * t * (0.4361836F + t * (-0.1201676F + t * 0.9372980F));
-      const Lanes c = (z > 0.0F).select(1.0F - tail, tail);
-      const Lanes c_dx = -gaussian * inverse_sigma;
+      const NormalLanes normal(z);
+      const Lanes& c = normal.cumulative;
+      const Lanes c_dx = -normal.density * inverse_sigma;
       const Lanes c_dv = 0.5F * z * inverse_sigma * c_dx;
       w[k] = c - left;
       dx[k] = c_dx - left_dx;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "explanations.hpp"
 #include "pilotfish/core/angles.hpp"
 
 namespace pilotfish::vision {
@@ -44,9 +45,10 @@ double correlation_factor(const Rows& rows, const TemplateSamples& samples, cons
 
 /// Residuals that agree with their neighbours' are edges that lie elsewhere than the template's, and what displaces
 /// them need not average out over the tag. [px^2], of one corner coordinate: such residuals, over the slope of the
-/// ramp, contrast / sqrt(2 pi blur). Up to twice as much as independence allows is chance.
-double residual_variance_px2(const Appearance& appearance, double noise, double factor) {
-  const double systematic = noise * noise * std::max(0.0, 1.0 - 2.0 / factor);
+/// ramp, contrast / sqrt(2 pi blur). Up to twice as much as independence allows is chance, unless something is there
+/// that no model explains: then all of it may be.
+double residual_variance_px2(const Appearance& appearance, double noise, double factor, bool explained) {
+  const double systematic = noise * noise * (explained ? std::max(0.0, 1.0 - 2.0 / factor) : 1.0);
   const double blur_px2 = 0.5 * (appearance.blur_u_px2 + appearance.blur_v_px2) + kSampleBlur_px2;
   return systematic * 2.0 * kPi * blur_px2 / std::max(appearance.contrast() * appearance.contrast(), 1.0);
 }
@@ -70,15 +72,19 @@ CornerCovariance covariance_of(const CameraModel& camera, const Fit& fit, const 
   const double misfit = std::max(1.0, covariance.agreement / kMisfitFrom);
   covariance.px2 =
       misfit * covariance.agreement * fit.noise * fit.noise * J * unit.template topRows<8>() * J.transpose();
-  covariance.px2.diagonal().array() += misfit * residual_variance_px2(fit.appearance, fit.noise, covariance.agreement);
+  // Pixel by pixel, noise alone leaves more than that.
+  const bool explained = explains(fit) || task.cell_px < kDenseBelow_px;
+  covariance.px2.diagonal().array() +=
+      misfit * residual_variance_px2(fit.mean_appearance(), fit.noise, covariance.agreement, explained);
   return covariance;
 }
 
 }  // namespace
 
 CornerCovariance corner_covariance(const CameraModel& camera, const Fit& fit, const Task& task) {
-  return fit.warp.is_bent() ? covariance_of<kBentParameters>(camera, fit, task)
-                            : covariance_of<kFlatParameters>(camera, fit, task);
+  if (fit.warp.is_bent()) return covariance_of<kBentParameters>(camera, fit, task);
+  if (fit.light) return covariance_of<kShadedParameters>(camera, fit, task);
+  return covariance_of<kFlatParameters>(camera, fit, task);
 }
 
 }  // namespace pilotfish::vision

@@ -1,13 +1,25 @@
 #include "level_field.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+
+// Light changes smoothly, but not evenly: a reflection is bright in its middle. The level of a colour in a cell is the
+// value there of the paraboloid
+//
+//   g(i, j) = a + b i + c j + d i^2 + e i j + f j^2,    i, j in cells from here,
+//
+// that fits the grays of the cells of that colour around it best, weighted by their distance. A mean of them would be
+// too dark in the middle of a reflection: black cells there were then taken for white ones. Slopes and curvatures are
+// expected to be small; where few cells are known they stay so.
 
 namespace pilotfish::vision {
 namespace {
 
 constexpr int kReach = 3;  ///< cells farther away do not count
+/// What is expected of slopes and curvatures: they count as so many cells without any.
+constexpr float kSlope = 0.02F, kCurvature = 0.1F;
 
 /// The weighted mean of 3 x 3 pixels; negative outside the picture.
 float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
@@ -20,6 +32,35 @@ float gray_at(const ImageView& image, const Eigen::Vector2d& pixel) {
   return static_cast<float>(row(middle - image.stride_bytes) + 2 * row(middle) + row(middle + image.stride_bytes)) /
          16.0F;
 }
+
+/// The paraboloid through the grays of one colour.
+struct Surface {
+  using Terms = Eigen::Matrix<float, 6, 1>;
+  Eigen::Matrix<float, 6, 6> information = prior();
+  Terms gradient = Terms::Zero();
+  float weights = 0.0F;
+
+  static Eigen::Matrix<float, 6, 6> prior() {
+    Terms diagonal;
+    diagonal << 1e-9F, kSlope, kSlope, kCurvature, kCurvature, kCurvature;
+    return diagonal.asDiagonal();
+  }
+
+  void add(int i, int j, float weight, float gray) {
+    const auto x = static_cast<float>(i), y = static_cast<float>(j);
+    Terms terms;
+    terms << 1.0F, x, y, x * x, x * y, y * y;
+    information.noalias() += weight * terms * terms.transpose();
+    gradient += weight * gray * terms;
+    weights += weight;
+  }
+
+  /// Its level at i = j = 0, as a camera shows it.
+  double here() const {
+    const float level = information.ldlt().solve(gradient)[0];
+    return std::clamp(static_cast<double>(level), 0.0, 255.0);
+  }
+};
 
 }  // namespace
 
@@ -48,20 +89,18 @@ bool LevelField::measure(const ImageView& image, const CameraModel& camera, cons
 
   for (int row = 0; row < side_; ++row)
     for (int column = 0; column < side_; ++column) {
-      float sum[2] = {0.0F, 0.0F}, weights[2] = {0.0F, 0.0F};
+      Surface surface[2];
       for (int j = std::max(row - kReach, 0); j <= std::min(row + kReach, side_ - 1); ++j)
         for (int i = std::max(column - kReach, 0); i <= std::min(column + kReach, side_ - 1); ++i) {
           const std::size_t index = static_cast<std::size_t>(j) * kSide + i;
           const int d2 = (i - column) * (i - column) + (j - row) * (j - row);
           if (gray[index] < 0.0F || (without_own && d2 == 0)) continue;
-          sum[white[index]] += weight[d2] * gray[index];
-          weights[white[index]] += weight[d2];
+          surface[white[index]].add(i - column, j - row, weight[d2], gray[index]);
         }
-      if (weights[0] < 1e-6F || weights[1] < 1e-6F) {
-        levels_[static_cast<std::size_t>(row) * kSide + column] = {0.0, 0.0};  // no contrast: nothing can be read
-        continue;
-      }
-      levels_[static_cast<std::size_t>(row) * kSide + column] = {sum[0] / weights[0], sum[1] / weights[1]};
+      Levels& levels = levels_[static_cast<std::size_t>(row) * kSide + column];
+      const bool known = surface[0].weights > 1e-6F && surface[1].weights > 1e-6F;
+      // Without contrast nothing can be read.
+      levels = known ? Levels{surface[0].here(), surface[1].here()} : Levels{0.0, 0.0};
     }
   return true;
 }

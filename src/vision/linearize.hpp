@@ -11,9 +11,10 @@ inline constexpr double kOutlier_sigmas = 3.0;  ///< a sample that differs by mo
 /// One pass over the samples: the place of each on the tag, its expected gray level there, and the derivatives.
 /// `blur_u`, `blur_v` [px^2] are what the template is blurred with, be it the picture's own blur or more.
 ///
-/// `Lit`: the levels are those of the light field, and what the fit finds is added to them.
-/// `Bent`: the curvatures of the sheet are fitted too.
-template <int R, bool Lit, bool Bent>
+/// Model::lit: the levels are those of the light field, and what the fit finds is added to them.
+/// Model::bent: the curvatures of the sheet are fitted too.
+/// Model::shaded: a shadow or a reflection is.
+template <int R, Model M>
 NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const TemplateSamples& samples, double blur_u,
                           double blur_v, Rows& rows) {
   const Eigen::Matrix3f H = fit.warp.matrix().cast<float>();
@@ -23,9 +24,12 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
   const auto limit = static_cast<float>(fit.noise > 0.0 ? kOutlier_sigmas * fit.noise : 1e9);
   const Eigen::Vector4f slope = fit.slopes().cast<float>();
   const BentLanes sheet(fit.warp);
-  constexpr int N = Bent ? kBentParameters : kFlatParameters;
+  constexpr bool Bent = M == Model::bent, Lit = M == Model::lit, Shaded = M == Model::shaded;
+  constexpr int N = parameters_of(M);
+  const UnevenLight light = Shaded ? *fit.light : UnevenLight();
+  const auto black_step = static_cast<float>(light.black_step), contrast_step = static_cast<float>(light.contrast_step);
   const auto black = static_cast<float>(fit.appearance.black), contrast = static_cast<float>(fit.appearance.contrast());
-  Lanes squared_error = Lanes::Zero(), inliers = Lanes::Zero();
+  Lanes squared_error = Lanes::Zero(), inliers = Lanes::Zero(), clipped = Lanes::Zero();
   const Lanes lane = Lanes::LinSpaced(0.0F, 7.0F);
   for (int block = 0; block < samples.blocks(); ++block) {
     const int first = samples.lanes_begin(block);
@@ -49,10 +53,22 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
       B += samples.black.segment<8>(first);
       C += samples.white.segment<8>(first) - samples.black.segment<8>(first);
     }
-    const Lanes error = samples.gray.segment<8>(first) - (B + C * T.value);
+    LightLanes uneven;
+    if constexpr (Shaded) {
+      uneven = LightLanes(light, x, y);
+      B += black_step * uneven.share;
+      C += contrast_step * uneven.share;
+    }
+    const Lanes gray = samples.gray.segment<8>(first);
+    const Lanes error = gray - (B + C * T.value);
     // One for a sample that is accepted, else zero; the padding of the last block is none.
-    const Lanes used =
-        ((error.abs() <= limit) && (lane < static_cast<float>(samples.count - first))).select(Lanes::Ones(), 0.0F);
+    const auto is_sample = lane < static_cast<float>(samples.count - first);
+    Lanes used = ((error.abs() <= limit) && is_sample).select(Lanes::Ones(), 0.0F);
+    if constexpr (Shaded) {
+      const Lanes hidden = (gray >= kClipped && error <= 0.0F && is_sample).select(Lanes::Ones(), 0.0F);
+      used *= 1.0F - hidden;
+      clipped += hidden;
+    }
     // On the tangent plane: there a flat tag has its points themselves.
     Lanes inverse_D;
     if constexpr (Bent) {
@@ -85,6 +101,12 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
     column(kBlurV) = uC * (T.dvx * xv2 + T.dvy * yv2);
     if constexpr (Bent)
       for (int i = 0; i < 3; ++i) column(kBend + i) = sheet.gradient(i, x, y, place, a_u, a_v, c);
+    if constexpr (Shaded) {
+      const Lanes step = used * (black_step + contrast_step * T.value);
+      column(kLight) = used * uneven.share;
+      column(kLight + 1) = column(kC) * uneven.share;
+      for (int i = 0; i < 3; ++i) column(kLight + 2 + i) = step * uneven.d_place[i];
+    }
     rows.r.segment<8>(first) = (used * error).matrix();
     squared_error += used * error * error;
     inliers += used;
@@ -98,6 +120,7 @@ NormalEquations linearize(const Fit& fit, const TagPattern& pattern, const Templ
   sum.gradient.head<N>() = (J.transpose() * rows.r.head(count)).template cast<double>();
   sum.squared_error = squared_error.sum();
   sum.inliers = static_cast<int>(inliers.sum());
+  sum.clipped = static_cast<int>(clipped.sum());
   return sum;
 }
 

@@ -1,28 +1,52 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <optional>
 
 #include "pilotfish/vision/tag_registration.hpp"
+#include "registration_rows.hpp"
 #include "tag_warp.hpp"
 #include "template_samples.hpp"
+#include "uneven_light.hpp"
 
 // What the parts of one fit of a template share; tag_registration.cpp says what is fitted.
 
 namespace pilotfish::vision {
 
-inline constexpr int kFlatParameters = 16;                   ///< of a flat tag
-inline constexpr int kBentParameters = kFlatParameters + 3;  ///< of a tag on a bent sheet
-enum Parameter : int { kB = 8, kC, kBx, kBy, kCx, kCy, kBlurU, kBlurV, kBend };
 template <int N>
 using NormalOf = Eigen::Matrix<double, N, N>;
-using Normal = NormalOf<kBentParameters>;
-using Parameters = Eigen::Matrix<double, kBentParameters, 1>;
+using Normal = NormalOf<kMostParameters>;
+using Parameters = Eigen::Matrix<double, kMostParameters, 1>;
+
+/// What is fitted.
+enum class Model {
+  even,    ///< a flat tag with a white ring in even light
+  shaded,  ///< with a shadow or a reflection on it
+  lit,     ///< in light that differs from place to place
+  bent,    ///< on a bent sheet
+  inside,  ///< without its outer edges
+};
+
+constexpr int parameters_of(Model model) {
+  return model == Model::bent ? kBentParameters : model == Model::shaded ? kShadedParameters : kFlatParameters;
+}
 
 struct Fit {
   TagWarp warp;
   Appearance appearance;
   double noise = 0.0;  ///< gray levels, 0: not known yet
   double outlier_share = 0.0;
+  std::optional<UnevenLight> light;  ///< with Model::shaded alone
+
+  /// As if uneven light were spread over the tag.
+  Appearance mean_appearance() const {
+    Appearance mean = appearance;
+    if (!light) return mean;
+    const double share = light->mean_share();
+    mean.black += share * light->black_step;
+    mean.white += share * (light->black_step + light->contrast_step);
+    return mean;
+  }
 
   Eigen::Vector4d slopes() const {
     Eigen::Vector4d all;
@@ -38,12 +62,7 @@ struct NormalEquations {
   Parameters gradient = Parameters::Zero();
   double squared_error = 0.0;
   int inliers = 0;
-};
-
-/// J and r, a row a sample. Single precision suffices: it affects the steps, but not the solution, where J^T r is zero.
-struct Rows {
-  Eigen::Matrix<float, TemplateSamples::kCapacity, kBentParameters> J;
-  Eigen::Matrix<float, TemplateSamples::kCapacity, 1> r;
+  int clipped = 0;  ///< samples of light that the camera could not show
 };
 
 /// Of the first N rows and columns of the information, with a diagonal of ones: the parameters differ in size.
@@ -64,7 +83,7 @@ struct Task {
   TemplateSamples samples;
   Rows rows;
   NormalEquations sum;
-  bool bent = false;  ///< whether the sheet's curvatures are fitted
+  Model model = Model::even;
 };
 
 }  // namespace pilotfish::vision

@@ -3,6 +3,7 @@
 #include <apriltag/apriltag.h>
 
 #include <algorithm>
+#include <array>
 #include <climits>
 #include <iterator>
 #include <tuple>
@@ -18,6 +19,8 @@ constexpr double kDecimations[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 
 /// Below so many pixels a cell, on the decimated picture, libapriltag misses quads (docs/vision.md).
 constexpr double kMinCell_px = 1.55;
+
+constexpr double kNoiseRange = 1.6;  ///< see least_contrast()
 
 /// Bytes of the decoding table for `corrected_bits`: libapriltag stores every code with every pattern of up
 /// to that many flipped bits, 16 bytes each, in a hash table three times that size.
@@ -38,6 +41,32 @@ int bits_to_recognise(const TagFamily& family, int max_hamming) {
   int bits = 2;
   while (bits > max_hamming && decoding_table_bytes(family, bits) > 64e6) --bits;
   return bits;
+}
+
+/// Where less than this separates black from white, no quads are searched for, in gray levels. The library's own 5
+/// finds them in the noise of any camera, which costs two thirds of its time (docs/vision.md); a tag that passes the
+/// margin gate has more. The library compares the grays of 12 x 12 pixels, of which noise alone makes 1.5 times the
+/// range of 4 x 4; of that, the quarter of the picture in which it is smallest shows the noise.
+int least_contrast(const ImageView& image, double min_decision_margin) {
+  constexpr int kTile_px = 4, kEvery = 4;  // one tile of sixteen
+  std::array<int, 256> histogram{};
+  int tiles = 0;
+  for (int v = 0; v + kTile_px <= image.height; v += kEvery * kTile_px)
+    for (int u = 0; u + kTile_px <= image.width; u += kEvery * kTile_px) {
+      std::uint8_t low = 255, high = 0;
+      for (int j = 0; j < kTile_px; ++j) {
+        const std::uint8_t* row = image.data + static_cast<std::ptrdiff_t>(v + j) * image.stride_bytes + u;
+        for (int i = 0; i < kTile_px; ++i) {
+          low = std::min(low, row[i]);
+          high = std::max(high, row[i]);
+        }
+      }
+      ++histogram[high - low];
+      ++tiles;
+    }
+  int range = 0;
+  for (int below = histogram[0]; range < 255 && 4 * below < tiles; below += histogram[++range]) continue;
+  return std::clamp(static_cast<int>(std::max(min_decision_margin, kNoiseRange * range)), 5, 60);
 }
 
 TagDetection to_tag_detection(const apriltag_detection_t& detection) {
@@ -68,10 +97,6 @@ struct TagDetector::Library {
     detector->quad_decimate = static_cast<float>(config.decimation);
     detector->quad_sigma = static_cast<float>(config.blur_sigma_px);
     detector->refine_edges = true;
-    // Where less than this separates black from white, no quads are searched for. The library's own 5 finds them in the
-    // noise of any camera, which costs two thirds of its time (docs/vision.md); a tag that passes the margin gate has
-    // more.
-    detector->qtp.min_white_black_diff = std::clamp(static_cast<int>(config.min_decision_margin), 5, 60);
     apriltag_detector_add_family_bits(detector.get(), family.get(), bits_to_recognise(family, config.max_hamming));
   }
 
@@ -144,6 +169,7 @@ Detections TagDetector::detect(const ImageView& image, double decimation) noexce
 
 Detections TagDetector::detect_checked(const ImageView& image, double decimation) {
   library_->detector->quad_decimate = static_cast<float>(decimation);
+  library_->detector->qtp.min_white_black_diff = least_contrast(image, config_.min_decision_margin);
   // libapriltag takes a non-const buffer. It only reads it, with two exceptions: its blur writes into it when
   // there is no decimation, and its `y * stride` is an int, which a very long stride would overflow.
   const bool would_be_written = config_.blur_sigma_px > 0.0 && decimation == 1.0;

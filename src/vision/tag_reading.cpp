@@ -29,8 +29,8 @@ double bilinear(const ImageView& image, const Eigen::Vector2d& pixel) {
   return (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * q[0] + a * q[1]);
 }
 
-constexpr double kRingInwards_cells = 0.2;  ///< a ring cut to half its width is still white there
-constexpr double kLocalReach_cells = 0.9;
+constexpr double kBeside_cells = 0.2;  ///< from a cell's middle; a ring cut to half its width is still white there
+constexpr double kLocalReach_cells = 1.5;
 constexpr double kMinLocalContrast = 0.3;  ///< of the tag's: with less around a cell, it is not read
 
 /// The shares of the cells to the left, here and to the right in the blurred template, `offset` from a cell's middle;
@@ -57,47 +57,70 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
   const double rim = 0.5 * (pattern.cells - 2 * TagPattern::kMargin) * pattern.cell_side - 0.75 * pattern.cell_side;
 
   // By offset: to the left or up, none, to the right or down.
-  const Shares shares_x[3] = {{-kRingInwards_cells, sigma.x()}, {0.0, sigma.x()}, {kRingInwards_cells, sigma.x()}};
-  const Shares shares_y[3] = {{-kRingInwards_cells, sigma.y()}, {0.0, sigma.y()}, {kRingInwards_cells, sigma.y()}};
+  const Shares shares_x[3] = {{-kBeside_cells, sigma.x()}, {0.0, sigma.x()}, {kBeside_cells, sigma.x()}};
+  const Shares shares_y[3] = {{-kBeside_cells, sigma.y()}, {0.0, sigma.y()}, {kBeside_cells, sigma.y()}};
   TagReading reading;
   double sum = 0.0;
   for (const TagPattern::Cell& cell : pattern.known) {
+    const auto column = static_cast<int>(cell.centre.x() / pattern.cell_side + 0.5 * pattern.cells);
+    const auto row = static_cast<int>(cell.centre.y() / pattern.cell_side + 0.5 * pattern.cells);
+    const double sign = cell.white ? 1.0 : -1.0;
+    const auto levels_at = [&](const Eigen::Vector2d& place) -> LevelField::Levels {
+      if (light != nullptr) return light->at(cell.centre);
+      const double black = appearance.black + appearance.black_slope.dot(place);
+      return {black, black + appearance.contrast() + appearance.contrast_slope.dot(place)};
+    };
+    struct Place {
+      Eigen::Vector2d tag, pixel;
+    };
+    const auto beside = [&](int to_x, int to_y) -> Place {
+      const Eigen::Vector2d tag = cell.centre + kBeside_cells * pattern.cell_side * Eigen::Vector2d(to_x, to_y);
+      return {tag, warp.pixel(camera, warp.flat(tag))};
+    };
+    // Half of the change that the other colour would make, less the difference from the right one.
+    const auto certainty = [&](const Place& place, int to_x, int to_y, const LevelField::Levels& levels) {
+      const Shares &across = shares_x[to_x + 1], &down = shares_y[to_y + 1];
+      const auto white_in_row = [&](int j) {
+        const std::uint8_t* c = pattern.colour.data() + static_cast<std::ptrdiff_t>(row + j) * pattern.cells + column;
+        return across.left * c[-1] + across.own * c[0] + across.right * c[1];
+      };
+      const double T = down.left * white_in_row(-1) + down.own * white_in_row(0) + down.right * white_in_row(1);
+      const double contrast = levels.white - levels.black;
+      const double difference = bilinear(image, place.pixel) - (levels.black + contrast * T);
+      return 0.5 * contrast * across.own * down.own + sign * difference;
+    };
+
     const auto inwards = [&](double at) { return std::abs(at) > rim && !cell.data ? (at > 0.0 ? -1 : 1) : 0; };
     const int to_x = inwards(cell.centre.x()), to_y = inwards(cell.centre.y());
-    const Eigen::Vector2d place = cell.centre + kRingInwards_cells * pattern.cell_side * Eigen::Vector2d(to_x, to_y);
-    const Eigen::Vector2d pixel = warp.pixel(camera, warp.flat(place));
+    const Place place = beside(to_x, to_y);
+    const LevelField::Levels levels = levels_at(place.tag);
+    const double contrast = levels.white - levels.black;
     if (cell.data) ++reading.bits;
-    double black = appearance.black + appearance.black_slope.dot(place);
-    double contrast = appearance.contrast() + appearance.contrast_slope.dot(place);
-    if (light != nullptr) {
-      const LevelField::Levels levels = light->at(cell.centre);
-      black = levels.black;
-      contrast = levels.white - levels.black;
-    }
-    if (!is_inside(pixel, image.width, image.height) ||
+    if (!is_inside(place.pixel, image.width, image.height) ||
         (light != nullptr && contrast < kMinLocalContrast * appearance.contrast())) {
       reading.unread_bits += cell.data ? 1 : 0;
       continue;
     }
-    const double gray = bilinear(image, pixel);
-    const auto column = static_cast<int>(cell.centre.x() / pattern.cell_side + 0.5 * pattern.cells);
-    const auto row = static_cast<int>(cell.centre.y() / pattern.cell_side + 0.5 * pattern.cells);
-    const Shares &across = shares_x[to_x + 1], &down = shares_y[to_y + 1];
-    const auto white_in_row = [&](int j) {
-      const std::uint8_t* c = pattern.colour.data() + static_cast<std::ptrdiff_t>(row + j) * pattern.cells + column;
-      return across.left * c[-1] + across.own * c[0] + across.right * c[1];
-    };
-    const double T = down.left * white_in_row(-1) + down.own * white_in_row(0) + down.right * white_in_row(1);
-    const double sign = cell.white ? 1.0 : -1.0;
-    // Half of the change that the other colour would make, less the difference from the right one.
-    const double certainty = 0.5 * contrast * across.own * down.own + sign * (gray - (black + contrast * T));
-    if (cell.data) {
-      reading.wrong_bits += certainty <= 0.0 ? 1 : 0;
-      sum += 2.0 * sign * (gray - (black + 0.5 * contrast));
-    } else {
+    double certain = certainty(place, to_x, to_y, levels);
+    if (!cell.data) {
       ++reading.frame_cells;
-      reading.wrong_frame_cells += certainty <= 0.0 ? 1 : 0;
+      reading.wrong_frame_cells += certain <= 0.0 ? 1 : 0;
+      continue;
     }
+    if (light != nullptr && certain <= 0.0) {
+      // A bit of another tag is of the other colour all over. A spot, of dirt or without toner, is of that size by
+      // chance only: where the parts of a cell disagree, most of them decide, or it cannot be read.
+      int right = 0;
+      for (int x : {-1, 1})
+        for (int y : {-1, 1}) right += certainty(beside(x, y), x, y, levels) > 0.0 ? 1 : 0;
+      if (right == 1 || right == 2) {
+        ++reading.unread_bits;
+        continue;
+      }
+      if (right > 2) certain = 1.0;
+    }
+    reading.wrong_bits += certain <= 0.0 ? 1 : 0;
+    sum += 2.0 * sign * (bilinear(image, place.pixel) - (levels.black + 0.5 * contrast));
   }
   reading.decision_margin = sum / std::max(reading.bits - reading.unread_bits, 1);
   return reading;

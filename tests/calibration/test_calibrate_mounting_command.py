@@ -132,7 +132,7 @@ def test_a_turn_alone_says_what_it_does_not_show(films):
         (["FILMS/both", *COMMON, "--height-m", "nan"], 64, "not a number from -5 to 5"),
         (["FILMS/both", *COMMON, "--pan-deg", "3"], 64, "--turn-only"),
         (["FILMS/both", *COMMON, "--height-of", "7=0.3"], 65, "tag was not seen; seen were [0]"),
-        (["FILMS/both", *COMMON, "--family", "tag99"], 78, "leader.family"),
+        (["FILMS/both", *COMMON, "--family", "tag99"], 64, "--family"),
         (["FILMS/both", "--camera", CALIBRATION, "--tag-size", "7=0.1"], 65, "no size is given for tag 0"),
         (["LOG", *COMMON, "--robot", "robot2"], 65, "no pictures on ROBOT2_IMAGE"),
     ],

@@ -87,7 +87,7 @@ def test_a_name_that_yaml_would_take_for_something_else_stays_a_name(tmp_path):
         (["--tag-size", "0.16", "--tag-size", "0.10"], 64, "several sizes"),
         (["--tag-size", "0.16", "--height-of", "0.3"], 64, "ID=METRES"),
         (["--tag-size", "0.16", "--reference-position", "0", "0", "0"], 64, "--reference-tag ID"),
-        (["--tag-size", "0.16", "--family", "tag99"], 78, "leader.family"),
+        (["--tag-size", "0.16", "--family", "tag99"], 64, "--family"),
         (["--tag-size", "1=0.12"], 65, "--tag-size 0=METRES"),
     ],
 )

@@ -123,10 +123,10 @@ def test_a_leader_of_another_family_facing_left_is_told_to_learn_body(tmp_path):
         ("board", ["--out", "NEW.mp4", "--fov-deg", "60", "--size", "321x241"], 64, "a film's sides are even"),
         ("mounting", ["--out", "x.lcmlog", "--off-deg", "90", "0", "0"], 64, "from -45 to 45 degrees"),
         ("mounting", ["--out", "x.lcmlog", "--off-mm", "nan", "0", "0"], 64, "from -500 to 500 mm"),
-        ("mounting", ["--out", "x.lcmlog", "--drive-m", "5"], 78, "allowed: up to 1.3"),
-        ("mounting", ["--out", "x.lcmlog", "--off-deg", "0", "-30", "0"], 78, "tilt is -30 degrees"),
+        ("mounting", ["--out", "x.lcmlog", "--drive-m", "5"], 64, "allowed: up to 1.3"),
+        ("mounting", ["--out", "x.lcmlog", "--off-deg", "0", "-30", "0"], 64, "tilt is -30 degrees"),
         ("body", ["--out", "NEW", "--leader", "FILE"], 78, "not a YAML mapping"),
-        ("body", ["--out", "NEW", "--distance-m", "0.4"], 78, "larger --distance-m"),
+        ("body", ["--out", "NEW", "--distance-m", "0.4"], 64, "larger --distance-m"),
         ("body", ["--out", "run.lcmlog"], 64, "is not a folder or a film"),
     ],
 )

@@ -13,7 +13,7 @@ from pilotfish.doctor.following.advice import BASE_COUNTERS, REASONS
 from pilotfish.doctor.following.cause import ids_text
 from pilotfish.doctor.following.evidence import collect, risen
 from pilotfish.doctor.following.no_coordinator import no_coordinator
-from pilotfish.doctor.following.setup import Process, Setup, find_setup, running_coordinators
+from pilotfish.doctor.following.setup import Process, Setup, find_setup, load_setup, running_coordinators
 from pilotfish.doctor.following.watch import Watched
 from pilotfish.doctor.host import Host
 from pilotfish.harness.ports import private_lcm_url
@@ -316,3 +316,30 @@ def test_numbers_that_are_not_known_are_null_in_json():
     said = judge(watched(status(SEARCHING, "no_frame"), command()), "memq://", None).as_dict()
     assert said["evidence"]["error_first_m"] is None
     assert math.isfinite(said["evidence"]["command_rate_hz"])
+
+
+# --- of whom it speaks ------------------------------------------------------------------------------------------------
+def notes_of(seen, given=None):
+    return {note.name: note for note in judge(seen, "memq://", given, given=given).notes}
+
+
+def test_other_coordinators_that_are_heard_are_named_beside_the_one_it_speaks_of():
+    seen = watched(status(), command())
+    assert "other_coordinators" not in notes_of(seen)
+    for robot in ("robot3", "robot2"):
+        seen.add(Message(1.0, "", robot, Kind.status, status()))
+    note = notes_of(seen)["other_coordinators"]
+    assert note.what == "this is about the coordinator of robot1; on this bus there are also those of robot2, robot3"
+    assert "--following robot2" in note.do
+
+
+def test_a_configuration_of_another_robot_is_told_with_both_names():
+    """line.yaml is robot1's."""
+    config = data.path("config/line.yaml")
+    assert "config_of_another" not in notes_of(watched(status(), command()), load_setup(config, "Robot1"))
+    seen = watched(status(), command())
+    seen.robot = "robot2"
+    note = notes_of(seen, load_setup(config, "robot2"))["config_of_another"]
+    assert "about the coordinator of robot2" in note.what
+    assert "line.yaml is of robot1" in note.what
+    assert "--following robot1" in note.do

@@ -89,7 +89,7 @@ WRONG = [
     (("stability", "--headway-s", "-1"), 64, "--headway-s: -1.0 is not a number from 0 to 3 s"),
     (("stability", "--amplitude-mps", "0.5"), 64, "less than the speed"),
     (("stability", "--law", "bogus"), 64, "bogus"),
-    (("stability", "--spacing-m", "0.3"), 78, "spacing_m: .* allowed: 0.61 m"),
+    (("stability", "--spacing-m", "0.3"), 64, "spacing_m: .* allowed: 0.61 m"),
     (("gaps", "--robots", "1"), 64, "--robots"),
 ]
 

@@ -186,7 +186,7 @@ def test_a_gaussian_is_refused_with_its_place(tmp_path):
         (["nowhere.yaml"], 66, "nowhere.yaml"),
         ([SHIPPED, "--noise-m", "nan"], 64, "nan is not a number from 0 to 1 m"),
         ([SHIPPED, "--lag-s", "-1"], 64, "-1.0 is not a number from 0 to 1 s"),
-        ([SHIPPED, "--setpoint-m", "0.3"], 78, "setpoint_m: 0.3 is below stop_distance_m (0.4)"),
+        ([SHIPPED, "--setpoint-m", "0.3"], 64, "setpoint_m: 0.3 is below stop_distance_m (0.4)"),
         ([SHIPPED, "--counterexample", "crash.txt"], 64, "does not end in .yaml"),
         ([SHIPPED, "--counterexample", SHIPPED], 74, "is what is read"),
         ([SHIPPED, "--config", SHIPPED], 78, "coordination.yaml"),

@@ -12,6 +12,8 @@ from test_summary import PERIOD_S, approach, robot_of
 from pilotfish.lcmtypes.pilotfish import box_start_t
 from pilotfish.logs import read_run
 from pilotfish.logs.beginning import approach_is_missing, late_beginnings
+from pilotfish.logs.report import ReportedRun
+from pilotfish.logs.report.page import summary_section
 from pilotfish.logs.summary import summarize
 
 
@@ -81,3 +83,28 @@ def test_a_ring_without_its_oldest_file_says_how_long_after_the_start_it_begins(
     what = why if beside else "earlier files were deleted"
     text = f"the recording begins 16.7 s after the start of the coordinator: {what}"
     assert [event.text for event in robot.events if event.kind == "begin"] == [text, "keeps 1.1 m at 0°, as before"]
+
+
+def summary_of(robot, path):
+    run = read_run(path)
+    return summary_section([ReportedRun("run", run, robot)])
+
+
+def test_the_page_of_a_run_whose_approach_is_not_recorded_has_no_figures_of_it(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    approach(writer)
+    cut(writer, 300)
+    page = summary_of(robot_of(writer), writer.file)
+    assert "100 commands of session 77 came before; the approach is not in it, and has no figures." in page
+    assert page.count("the approach is not recorded") == 1  # one tile: the other figures are of the end, which is there
+    assert "not settled" not in page
+
+
+def test_the_page_of_a_run_without_a_measurement_names_the_cause_and_does_not_speak_of_settling(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(50):
+        writer.frame(None)
+        writer.passes()
+    page = summary_of(robot_of(writer), writer.file)
+    assert "run: the leader was never measured: no tag in the picture (all 50 frames)." in page
+    assert "settled" not in page and "never followed" not in page

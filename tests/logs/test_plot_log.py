@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 from recordings import COASTING, LOST, NO_FRAME, Writer
 
 from pilotfish.logs import read_run
 from pilotfish.plots.relative_view import draw_relative_view
 from pilotfish.plots.run_overview import draw_run_overview
-from pilotfish.plots.status_band import band_pieces, status_stretches
+from pilotfish.plots.status_band import band_pieces, draw_status_band, silences, status_stretches
 from pilotfish.plots.style import DARK, save
 
 
@@ -191,3 +192,17 @@ def test_where_nothing_was_measured_words_stand_instead_of_an_empty_axis(tmp_pat
     assert [text.get_text().replace("\n", " ") for text in above.axes[0].texts] == [cause]
     # No name in the legend of what is not in the picture.
     assert [text.get_text() for text in above.legends[0].get_texts()] == ["the robot", "setpoint"]
+
+
+def test_silence_is_named_with_its_length_in_the_strip_and_a_gap_that_lines_bridge_is_not():
+    """Nothing for 4 s; then for 0.4 s, which a line bridges, too. What comes behind the last message is no silence:
+    of two runs the shorter one is simply over."""
+    assert silences([(0.0, 1.0, "tracking"), (5.0, 6.0, "lost"), (6.4, 7.0, "lost")]) == [(1.0, 5.0)]
+    axes = Figure().subplots()
+    draw_status_band(axes, [(0.0, 1.0, "tracking"), (5.0, 6.0, "lost")], 0.0, 0.8, (0.0, 20.0), "#000000")
+    assert [text.get_text() for text in axes.texts] == ["no messages for 4.0 s"]
+    (named,) = axes.patches
+    assert (named.get_x(), named.get_width(), named.get_hatch()) == (1.0, 4.0, None)
+    axes = Figure().subplots()  # 4 % of the width are no room for words: hatched, which the legend explains
+    draw_status_band(axes, [(0.0, 1.0, "tracking"), (5.0, 6.0, "lost")], 0.0, 0.8, (0.0, 100.0), "#000000")
+    assert ([patch.get_hatch() for patch in axes.patches], list(axes.texts)) == (["////"], [])

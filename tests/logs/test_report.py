@@ -258,3 +258,44 @@ def test_an_hour_makes_a_page_that_a_browser_can_show(tmp_path):
     robot = replace(robot, frames=longer(robot.frames), commands=longer(robot.commands))
     text = report_html([ReportedRun("long", run, robot)])
     assert len(text) < 1_500_000
+
+
+def followed(writer, count, distance_m=1.1):
+    for k in range(count):
+        writer.frame(distance_m(k) if callable(distance_m) else distance_m)
+        writer.passes()
+
+
+def tiles_of(file):
+    """The doubts that the tiles name; and which of them are marked."""
+    text = summary_of(file)
+    return set(re.findall(r'<div class="why">([^<]*)</div>', text)), text.count('class="tile doubt"')
+
+
+def test_the_tiles_of_a_run_that_is_not_what_it_looks_like_say_so(tmp_path):
+    """10 s at the wanted distance settle; the same and then 5 s without the leader; the same and a file that ends in
+    the middle of an event; and 10 s of coming nearer by 2 mm a frame."""
+    for name in ("whole", "lost", "cut", "never"):
+        (tmp_path / name).mkdir()
+    whole, lost, cut, never = (Writer(tmp_path / name / "run.log") for name in ("whole", "lost", "cut", "never"))
+    for writer in (whole, lost, cut):
+        followed(writer, 300)
+    followed(never, 300, lambda k: 1.1 + 0.002 * (300 - k))
+    followed(lost, 150, None)
+    cut.file.write_bytes(cut.file.read_bytes()[:-5])
+    assert tiles_of(whole.file) == (set(), 0)
+    assert tiles_of(lost.file) == ({"lost at the end"}, 3)
+    assert "it followed until 10.0 s only, and was lost at the end (15.0 s)" in summary_of(lost.file)
+    assert tiles_of(cut.file) == ({"the recording is cut"}, 3)
+    assert tiles_of(never.file) == ({"not settled"}, 3)
+    assert "<b>not settled</b>" in summary_of(never.file)
+    assert "not settled" not in summary_of(lost.file)
+
+
+def test_runs_that_are_compared_have_their_doubts_in_a_line_each(tmp_path):
+    (tmp_path / "b").mkdir()
+    whole, lost = Writer(tmp_path / "a.log"), Writer(tmp_path / "b" / "b.log")
+    followed(whole, 300)
+    followed(lost, 300)
+    followed(lost, 150, None)
+    assert summary_of(whole.file, lost.file).count("it followed until 10.0 s only") == 1

@@ -114,10 +114,10 @@ def test_a_wrong_command_line_ends_with_64_and_says_what_is_meant(tmp_path, monk
         (["--faces", "4", "--angle-deg", "100"], "4 faces can be folded by 0 to 90 degrees each"),
     ],
 )
-def test_what_cannot_be_printed_ends_with_78_and_says_what_can(tmp_path, monkeypatch, options, said):
+def test_what_cannot_be_printed_ends_with_64_and_says_what_can(tmp_path, monkeypatch, options, said):
     monkeypatch.chdir(tmp_path)
     result, printed = run("tags", *options)
-    assert result.exit_code == 78
+    assert result.exit_code == 64
     assert said in printed
     assert not list(tmp_path.iterdir())
 

@@ -1,7 +1,11 @@
 """Children are never left behind, and what they said last is in the error."""
 
+import gc
+import os
+import signal
 import socket
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -77,3 +81,80 @@ def test_a_port_that_somebody_holds_is_not_given_out():
 
 def test_a_private_bus_stays_on_this_host():
     assert "ttl=0" in private_lcm_url()
+
+
+# An interrupt can come between any two instructions of Python. `interrupted_at` raises one at each of them in turn, in
+# the functions that have to do with a child, as a signal's handler would: it is called there, and raises.
+_WATCHED = ("child.py", "subprocess.py", "held_interrupts.py")
+
+
+def interrupted_at(step, work):
+    """Runs ``work()`` and sends SIGINT at the ``step``'th call or return of a function there; whether it came to it."""
+    steps = 0
+
+    def count(frame, event, _arg):
+        nonlocal steps
+        if Path(frame.f_code.co_filename).name in _WATCHED:
+            steps += 1
+            if steps == step:
+                signal.raise_signal(signal.SIGINT)  # its handler runs before the next instruction of this frame
+
+    sys.setprofile(count)
+    try:
+        work()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        sys.setprofile(None)
+    return steps >= step
+
+
+def has_ended(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+@pytest.fixture
+def _raised_interrupts(monkeypatch):
+    """As in a command: what cannot be raised, because a destructor runs, is no failure (it is raised later)."""
+    otherwise = sys.unraisablehook
+    monkeypatch.setattr(sys, "unraisablehook", lambda what: what.exc_type is KeyboardInterrupt or otherwise(what))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("_raised_interrupts")
+def test_an_interrupt_at_any_moment_of_asking_leaves_a_child_that_can_be_ended(tmp_path):
+    """Python's own Popen.poll() keeps a lock for ever if the interrupt comes behind acquire(), and its wait() then
+    waits for that lock."""
+    step = 0
+    while True:
+        step += 1
+        with Child(["sleep", "600"], tmp_path, "child") as child:
+            came = interrupted_at(step, child.poll)
+            assert not child.process._waitpid_lock.locked(), f"at step {step}"
+        assert child.process.returncode == -15
+        if not came:
+            break
+    assert step > 5  # else nothing was interrupted
+
+
+@pytest.mark.usefixtures("_raised_interrupts")
+def test_an_interrupt_at_any_moment_of_starting_and_ending_leaves_no_process(tmp_path):
+    step, started = 0, {}
+
+    def live():
+        with Child(["sleep", "600"], tmp_path, "child") as child:
+            started[step] = child.process.pid
+
+    came = True
+    while came:
+        step += 1
+        came = interrupted_at(step, live)
+    gc.collect()  # what tracebacks held
+    assert [at for at, pid in started.items() if not has_ended(pid)] == []
+    assert step > 20  # else nothing was interrupted

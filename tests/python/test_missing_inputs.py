@@ -131,3 +131,12 @@ def test_every_place_of_a_file_that_is_read_has_a_line():
             ]
             missing += [] if there else [(words, param.name)]
     assert missing == []
+
+
+def test_an_argument_that_is_not_there_is_named_once_and_an_option_s_by_the_option():
+    """Not "file: file 'gone.yaml' does not exist": an argument's name says nothing that its value does not."""
+    said = [CliRunner().invoke(app, words).output for words in (["leader", "show", GONE], ["doctor", "--config", GONE])]
+    assert said == [
+        f"pilotfish: file '{GONE}' does not exist.\n",
+        f"pilotfish: --config: file '{GONE}' does not exist.\n",
+    ]

@@ -214,7 +214,7 @@ def test_a_bearing_out_of_range_is_refused_in_degrees_before_anyone_is_asked(bea
 def test_each_mistake_has_its_exit_code(url, key_file):
     assert run("resume", "robot1", "--lcm-url", url, "--within-s", "0.2")[0] == 69
     assert run("stop", "robot1", "--lcm-url", "nonsense://")[0] == 69
-    assert run("stop", "robot 1", "--lcm-url", url)[0] == 78
+    assert run("stop", "robot 1", "--lcm-url", url)[0] == 64
     key_file.chmod(0o644)
     code, said = run("resume", "robot1", "--lcm-url", url, "--key", key_file)
     assert code == 78

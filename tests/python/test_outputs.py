@@ -162,3 +162,20 @@ def test_a_folder_remembers_what_stood_in_it(tmp_path, capsys):
     into.wrote(tmp_path / "old")
     into.wrote(tmp_path / "new")
     assert capsys.readouterr().out == f"wrote {tmp_path / 'old'} (replaced)\nwrote {tmp_path / 'new'}\n"
+
+
+def test_a_new_folder_is_said_of_what_was_asked_for_and_not_of_what_stands_beside_it(tmp_path):
+    out = tmp_path / "new" / "run.lcmlog"
+    said = run("render", "mounting", "--out", out, "--fov-deg", "60", "--size", "160x120", "--rate-hz", "4")
+    assert f"to {out} (in the new folder {out.parent})\n" in said
+    assert f"wrote {out.parent / 'run_truth.yaml'}\n" in said
+    pictures = tmp_path / "pictures"
+    said = run("render", "board", "--out", pictures, "--views", "3", "--fov-deg", "60", "--size", "160x120")
+    assert f"wrote 3 pictures to {pictures}\n" in said
+    assert f"wrote {pictures / 'truth.yaml'}\n" in said  # which the folder of the pictures has been made for
+
+
+@pytest.mark.parametrize("words", [words for words, name in WRITING.values() if name.endswith(".png")])
+def test_a_picture_whose_ending_is_in_capitals_is_written(tmp_path, words):
+    run(*words, tmp_path / "a.SVG")
+    assert "<svg" in (tmp_path / "a.SVG").read_text()

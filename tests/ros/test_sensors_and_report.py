@@ -197,7 +197,7 @@ def test_a_bridge_ends_with_0_when_it_is_told_to(running):
 
 WRONG = (
     (["sensors", "robot1", "--image", "/a", "--compressed", "/b"], 64, "--compressed"),
-    (["cmd-vel", "no name"], 78, "no name"),
+    (["cmd-vel", "no name"], 64, "no name"),
     (["report", "robot1", "--leader", "/a b"], 64, "'/a b' is no topic"),
 )
 

@@ -87,11 +87,11 @@ WRONG = {
     "no such file": (["none.yaml"], 66, "none.yaml"),
     "two places": (["{file}", "--workers", "1", "--scheduler", "tcp://a:1"], 64, "give one of the two"),
     "no results": (["report", "{tmp}"], 66, "no folder of a campaign"),
-    "factor": (["plot", "{out}", "--over", "sped"], 78, "no factor 'sped'"),
-    "figure": (["plot", "{out}", "--over", "law", "--metric", "rms"], 78, "no figure 'rms'"),
+    "factor": (["plot", "{out}", "--over", "sped"], 64, "no factor 'sped'"),
+    "figure": (["plot", "{out}", "--over", "law", "--metric", "rms"], 64, "no figure 'rms'"),
     "ending": (["plot", "{out}", "--over", "law", "--out", "a.gif"], 64, "ends in none of .png, .svg, .pdf"),
-    "where": (["plot", "{out}", "--over", "law", "--where", "law=fuzzy"], 78, "law is paper, pid"),
-    "a sampled by": (["sensitivity", "{out}", "--by", "speed_mps"], 78, "it is sampled"),
+    "where": (["plot", "{out}", "--over", "law", "--where", "law=fuzzy"], 64, "law is paper, pid"),
+    "a sampled by": (["sensitivity", "{out}", "--by", "speed_mps"], 64, "it is sampled"),
     "log": (["plot", "{out}", "--over", "law", "--metric", "failed_percent", "--log"], 64, "not above 0 everywhere"),
 }
 

@@ -46,7 +46,7 @@ CASES = {
     "no such controller": (["--fuzzy", "/nowhere.yaml"], 66, "/nowhere.yaml"),
     "no such key": (["--key", "/nowhere.key"], 66, "/nowhere.key"),
     "no such bus": (["--lcm-url", "nonsense"], 69, "udpm"),
-    "a bus without datagrams": (["--lcm-url", "memq://"], 78, "udpm"),
+    "a bus without datagrams": (["--lcm-url", "memq://"], 64, "udpm"),
     "another host's address": (["--host", "203.0.113.9"], 69, "0.0.0.0"),
     "no address": (["--host", "no such host"], 69, "--host"),
 }

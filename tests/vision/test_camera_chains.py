@@ -11,6 +11,7 @@ from bench.vision import printed_sheet
 from bench.vision.chains import figures_in, off_by
 from bench.vision.conditions import CONDITIONS, SHEET, TYPICAL
 from bench.vision.ours import Ours
+from bench.vision.printed_sheet import Lighting
 from bench.vision.scenes import LEADER, VGA, corners_px, tag_pose
 from pilotfish import core, vision
 
@@ -48,12 +49,68 @@ def test_the_coarse_and_the_fine_search_together_still_notice_an_id_that_is_ther
     assert observer().observe(frame(image, 0)).reason == core.Reason.tag_duplicate
 
 
-@pytest.mark.parametrize(("name", "distance_m"), [("shadow edge", 0.65), ("shadow edge", 1.1), ("soft shadow", 1.1)])
-def test_a_shadow_across_the_tag_does_not_hide_it(name, distance_m):
-    # White in the shade is darker than what separates white from black in the sun: one threshold cannot read it.
-    figures = followed(name, distance_m)
+@pytest.mark.parametrize("name", ["shadow edge", "soft shadow"])
+@pytest.mark.parametrize("distance_m", [0.65, 1.1])
+def test_a_shadow_across_the_tag_neither_hides_nor_moves_it(name, distance_m):
+    # White in the shade is darker than what separates white from black in the sun: one threshold cannot read it. An
+    # edge of light pulls every edge of a tag beside it, by up to 6 claimed standard deviations if it is not fitted too.
+    figures = followed(name, distance_m, count=32)
     assert figures.seen > 0.9
-    assert figures.p95_deg < 1.0
+    assert figures.p95_deg < 0.5
+    assert figures.chi2 < 2.0
+
+
+def test_the_edge_of_a_shadow_is_not_taken_for_one_of_a_far_tag():
+    # With cells of 5 px they are as near to each other as they are wide. Unfitted: 9 of 32 headings wrong, by up to 33
+    # degrees.
+    figures = followed("shadow edge", 2.44, count=32)
+    assert figures.seen > 0.6
+    assert figures.median_deg < 0.3
+    assert figures.wrong <= 2
+
+
+# In tag sizes of 0.16 m: middle, a corner of the code, the black border, the white ring.
+@pytest.mark.parametrize("place_m", [(0.0, 0.0), (0.045, -0.04), (-0.07, 0.0), (0.0, 0.09)])
+@pytest.mark.parametrize("distance_m", [0.65, 1.1])
+def test_a_tag_is_measured_through_the_reflection_of_a_lamp(place_m, distance_m):
+    # 1.2 of white paper, added to it and to the black beside it: in the middle of the reflection both are clipped.
+    cMt = tag_pose(distance_m, yaw_rad=0.2)
+    lamp = Lighting(highlight=1.2, highlight_at_m=place_m)
+    tracker = vision.TagTracker(camera=VGA, body=LEADER)
+    start = tracker.predict_at(SHEET.tag_id, corners_px=corners_px(VGA, cMt))
+    tag = tracker.track(photograph(cMt, lighting=lamp), start)
+    assert not isinstance(tag, vision.TagRefusal)
+    off_px = np.linalg.norm(tag.tag.corners_px - corners_px(VGA, cMt), axis=1)
+    assert off_px.max() < 0.3
+    # Chi-squared of 8 numbers exceeds 26 once in a thousand; the light adds up before the camera's response, the levels
+    # of the fit behind it: twice that.
+    off = (tag.tag.corners_px - corners_px(VGA, cMt)).ravel()
+    assert off @ np.linalg.solve(tag.covariance_px2, off) < 52.0
+
+
+def test_a_print_with_spots_is_read_beside_them():
+    # 60 spots without toner, of a fifth of a cell each: some lie in the middle of a bit.
+    figures = followed("white spots", 0.65, count=24)
+    assert figures.seen > 0.9
+    assert figures.wrong == 0
+
+
+def test_tiny_quads_of_the_detector_are_a_start_for_the_fit():
+    # At 8 m a cell has 1.5 px, and libapriltag finds the sides of a tag 0.15 to 0.45 px too far inside.
+    condition = CONDITION["lens"]
+    detector = vision.TagDetector(config=vision.TagDetectorConfig(decimation=1.0))
+    tracker = vision.TagTracker(camera=condition.camera, body=LEADER)
+    found, measured = 0, 0
+    for picture in condition.pictures(8.0, 48, seed=1):
+        detections = detector.detect(picture.image)
+        quads = [tag.corners_px for tag in (*detections.tags, *detections.unsure) if tag.id == SHEET.tag_id]
+        if not quads:
+            continue
+        found += 1
+        start = tracker.predict_at(SHEET.tag_id, corners_px=quads[0])
+        measured += not isinstance(tracker.track(picture.image, start), vision.TagRefusal)
+    assert found >= 8
+    assert measured >= 0.9 * found  # before: 6 of 21
 
 
 @pytest.mark.parametrize("name", ["half a ring", "cut close"])
@@ -126,17 +183,20 @@ def test_the_covariance_is_true_in_a_camera_that_was_not_modelled(name, distance
     assert figures.wrong == 0
 
 
-def test_a_leader_of_other_bits_in_the_same_shadow_is_not_taken_for_it():
+@pytest.mark.parametrize(
+    ("name", "distance_m"), [("shadow edge", 1.1), ("highlight", 0.65), ("highlight", 2.44), ("white spots", 1.1)]
+)
+def test_a_leader_of_other_bits_in_the_same_light_is_not_taken_for_it(name, distance_m):
     # Local levels must not explain wrong bits away: any other id, at the very place where the leader is expected.
-    shadow = dataclasses.replace(CONDITION["shadow edge"].lighting, shadow_angle_rad=0.7)
-    cMt = tag_pose(1.1, yaw_rad=0.2)
+    condition = CONDITION[name]
+    lighting = dataclasses.replace(condition.lighting, shadow_angle_rad=0.7, highlight_at_m=(0.03, -0.02))
+    cMt = tag_pose(distance_m, yaw_rad=0.2)
+    tracker = vision.TagTracker(camera=VGA, body=LEADER)
+    start = tracker.predict_at(SHEET.tag_id, corners_px=corners_px(VGA, cMt))
     for other in (3, 17, 99, 200, 321, 450):
-        eye = vision.LeaderObserver(camera=VGA, body=LEADER)
-        assert eye.observe(core.Frame(photograph(cMt), utime=1_000_000)).observation is not None
-        rng = np.random.default_rng(other)
-        light = printed_sheet.backdrop(VGA, rng)[:, : VGA.width].copy()
-        printed_sheet.show(light, VGA, cMt, dataclasses.replace(SHEET, tag_id=other), shadow)
-        assert eye.observe(core.Frame(TYPICAL.photograph(light, rng), utime=1_033_333)).observation is None
+        sheet = dataclasses.replace(condition.sheet, tag_id=other)
+        image = photograph(cMt, seed=other, lighting=lighting, sheet=sheet)
+        assert isinstance(tracker.track(image, start), vision.TagRefusal)
 
 
 def test_the_error_of_a_claim_is_counted_from_the_leader_that_was_shown():

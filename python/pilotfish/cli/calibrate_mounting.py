@@ -13,7 +13,7 @@ import typer
 
 from pilotfish.cli.console import console, friendly_errors, progress, working
 from pilotfish.cli.learn_body import of_tag, tag_sizes
-from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
+from pilotfish.cli.options import CalibrationOption, TagSizesOption, between, check_family
 from pilotfish.cli.outputs import output_file
 from pilotfish.cli.truth_report import OFF_TRUTH, TruthOfMounting, print_differences
 from pilotfish.whole_files import write_whole
@@ -128,7 +128,6 @@ def mounting(
     from pilotfish.cli.mounting_report import print_mounting_report
     from pilotfish.coordinator import load_calibration
     from pilotfish.errors import BodyLearningError, CalibrationError, ConfigError, PilotfishError
-    from pilotfish.vision import TagFamily
 
     sizes = tag_sizes(tag_size)
     if height_m is not None and height_of is not None:
@@ -147,7 +146,7 @@ def mounting(
         true = read_true_mounting(truth) if truth else None
         try:
             model = load_calibration(str(camera))
-            TagFamily(family)  # refused here, before anything is opened
+            check_family(family)  # refused here, before anything is opened
         except PilotfishError:
             raise
         except ValueError as error:

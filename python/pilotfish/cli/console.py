@@ -69,9 +69,14 @@ class SysexitsGroup(typer.core.TyperGroup):
         except typer.BadParameter as error:
             if error.message.endswith(_NOT_THERE):
                 with friendly_errors():  # one line and the code of a file that is not there, whoever looks for it
-                    raise MissingFileError(f"{'/'.join(error.param.opts)}: {error.message}") from error
+                    raise MissingFileError(_of_option(error.param) + error.message) from error
             error.message = _said_plainly(error.message, error.param, words)
             raise
+
+
+def _of_option(param: Any) -> str:
+    """Which option it is; nothing of an argument, whose message says "file 'x'" by itself."""
+    return f"{'/'.join(param.opts)}: " if param.param_type_name == "option" else ""
 
 
 def _said_plainly(message: str, param: Any, words: list[str]) -> str:

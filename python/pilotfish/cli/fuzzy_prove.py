@@ -12,7 +12,7 @@ import typer
 from pilotfish.cli.console import console, friendly_errors, share_progress, warn
 from pilotfish.cli.options import between
 from pilotfish.cli.outputs import output_file
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, UsageError
 from pilotfish.fuzzy_proof.model import RANGES, Following
 
 if TYPE_CHECKING:
@@ -135,7 +135,9 @@ def _model(config: Path | None, given: dict[str, float]) -> Following:
     try:
         return replace(Following(), **{**read, **given})
     except ConfigError as error:
-        raise ConfigError(f"{config}: {error}" if config is not None else str(error)) from error
+        if config is None or any(name in str(error) for name in given):  # an option's fault, or also one's
+            raise UsageError(str(error)) from error
+        raise ConfigError(f"{config}: {error}") from error
 
 
 def _from_configuration(file: Path) -> dict[str, float]:

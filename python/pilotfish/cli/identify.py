@@ -75,7 +75,10 @@ def identify(
         from pilotfish.identify.fit import STRAYING_M_PER_SQRT_S
         from pilotfish.identify.verdicts import settings_numbers
         from pilotfish.logs import read_run
+        from pilotfish.logs.glance import check_recorded
 
+        with working("looking what is recorded"):
+            check_recorded(log, robot, commands=True)
         with byte_progress("reading") as step:
             run = read_run(log, robot, step)
         one = _only(log, run.recorded_coordinators())

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pilotfish.cli.console import friendly_errors, progress, tell_next, working
-from pilotfish.cli.options import CalibrationOption, TagSizesOption, between
+from pilotfish.cli.options import CalibrationOption, TagSizesOption, between, check_family
 from pilotfish.cli.outputs import output_file
 from pilotfish.cli.truth_report import OFF_TRUTH, TruthOfBody, print_differences
 
@@ -122,7 +122,6 @@ def learn_body(
     from pilotfish.coordinator import load_calibration
     from pilotfish.errors import ConfigError, PilotfishError
     from pilotfish.leader import load_leader
-    from pilotfish.vision import TagFamily
 
     sizes = tag_sizes(tag_size)
     with friendly_errors():
@@ -130,7 +129,7 @@ def learn_body(
         true = load_leader(truth) if truth else None
         try:
             model = load_calibration(str(camera))
-            TagFamily(family)  # refused here, before the video is opened
+            check_family(family)  # refused here, before the video is opened
             base = _base(reference_tag, facing_deg, height_of, position_m, tilt_deg, roll_deg, reference_leader)
         except PilotfishError:
             raise

@@ -23,6 +23,17 @@ def between(low: float, high: float, unit: str = "") -> Callable[[float | None],
     return check
 
 
+def check_family(name: str) -> None:
+    """Refuses what is no tag family, before anything is opened."""
+    from pilotfish.errors import ConfigError
+    from pilotfish.vision import TagFamily
+
+    try:
+        TagFamily(name)
+    except ConfigError as error:
+        raise typer.BadParameter(f"--family: {str(error).removeprefix('leader.family: ')}") from None
+
+
 DurationOption = Annotated[
     float | None,
     typer.Option(

@@ -36,10 +36,20 @@ def output_file(file: Path, inputs: Iterable[Path] = ()) -> Output:
     nothing of that stays."""
     _check_file(file)
     check_not_among(file, inputs)
-    if file.is_file():
-        return Output(file, " (replaced)")
+    return Output(file, " (replaced)" if file.is_file() else in_new_folder(file))
+
+
+def output_beside(file: Path) -> Output:
+    """The same for a file that is written beside another, or into a folder that is an output itself: which folder is
+    new is said of that one."""
+    _check_file(file)
+    return Output(file, " (replaced)" if file.is_file() else "")
+
+
+def in_new_folder(file: Path) -> str:
+    """What is said of a file, or a folder, for which a folder must be made; empty if none must."""
     missing = missing_folders(file)
-    return Output(file, f" (in the new folder {missing[0]})" if missing else "")
+    return f" (in the new folder {missing[0]})" if missing else ""
 
 
 def output_picture(file: Path, option: str = "--out") -> Output:

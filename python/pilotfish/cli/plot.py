@@ -100,10 +100,12 @@ def _is_log(file: Path) -> bool:
 
 def _draw_log(file: Path, out: Path, robot: str | None, suffix: str, dark: bool) -> list[Path]:
     from pilotfish.logs import read_run
+    from pilotfish.logs.glance import check_recorded
     from pilotfish.plots.relative_view import draw_relative_view
     from pilotfish.plots.run_overview import draw_run_overview
     from pilotfish.plots.style import DARK, LIGHT, save
 
+    check_recorded(file, robot)
     with byte_progress("reading") as step:
         run = read_run(file, robot, step)
     warn_of_losses(run.losses)

@@ -23,7 +23,7 @@ from pilotfish.cli.camera_choice import (
 )
 from pilotfish.cli.console import friendly_errors, tell, tell_next
 from pilotfish.cli.options import between
-from pilotfish.cli.outputs import output_file
+from pilotfish.cli.outputs import output_beside
 from pilotfish.cli.rendered_out import check_out, write_pictures
 
 if TYPE_CHECKING:
@@ -120,9 +120,9 @@ def board(
         require("cv2", "calibrate")
         the_board = _board(context, board, columns, rows, square, marker, dictionary)
         model, _ = chosen_camera(camera, config, fov_deg, size, lens, distortion)
-        kind = check_out(out, (outlets.FOLDER, outlets.FILM), views, (model.width, model.height))
+        kind, note = check_out(out, (outlets.FOLDER, outlets.FILM), views, (model.width, model.height))
         truth = outlets.beside(out, "truth.yaml")
-        true = output_file(truth)
+        true = output_beside(truth)
         is_fisheye = model.lens == Lens.kannala_brandt
         poses = board_poses(
             the_board,
@@ -143,7 +143,7 @@ def board(
         ]
         named = {name: poses[k // held] for k, name in enumerate(names)}
         write_true_camera(truth, model, named, remarks)
-        tell(f"wrote {count} pictures to {out}")
+        tell(f"wrote {count} pictures to {out}{note}")
         true.wrote()
         told = board if Path(board).is_file() else spelled(the_board)
         command = ["pilotfish", "calibrate", "camera", out, "--board", told, *(["--model", "fisheye"] * is_fisheye)]

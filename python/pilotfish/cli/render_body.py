@@ -22,7 +22,7 @@ from pilotfish.cli.camera_choice import (
 )
 from pilotfish.cli.console import friendly_errors, tell, tell_next
 from pilotfish.cli.options import between
-from pilotfish.cli.outputs import output_file
+from pilotfish.cli.outputs import output_beside
 from pilotfish.cli.rendered_out import check_out, write_pictures
 
 
@@ -85,9 +85,9 @@ def body(
         model, _ = chosen_camera(camera, config, fov_deg, size, lens, distortion)
         true = rehearsal.with_wrong_faces(nominal, off_mm * 1e-3, math.radians(off_deg), seed)
         turning = rehearsal.plan_turn(model, true, pictures, distance_m)
-        kind = check_out(out, (outlets.FOLDER, outlets.FILM), pictures, (model.width, model.height))
+        kind, note = check_out(out, (outlets.FOLDER, outlets.FILM), pictures, (model.width, model.height))
         truth, its_camera = outlets.beside(out, "truth.yaml"), outlets.beside(out, "camera.yaml")
-        besides = [output_file(each) for each in (truth, its_camera)]
+        besides = [output_beside(each) for each in (truth, its_camera)]
         imperfections = sim.Imperfections(blur_sigma_px=blur_px, noise_sigma=noise)
         shots = rehearsal.turn_shots(model, turning, imperfections, seed)
         count = write_pictures("rendering the turn", kind, out, shots, pictures)
@@ -97,7 +97,7 @@ def body(
         ]
         write_leader_body(truth, true, remarks)
         rehearsal.write_true_camera(its_camera, model, remarks=[f"The camera of {out.name}, without an error."])
-        tell(f"wrote {count} pictures to {out}")
+        tell(f"wrote {count} pictures to {out}{note}")
         for each in besides:
             each.wrote()
         reference = min(true.tags, key=lambda tag: tag.id)

@@ -22,7 +22,7 @@ from pilotfish.cli.camera_choice import (
 )
 from pilotfish.cli.console import friendly_errors, tell, tell_next
 from pilotfish.cli.options import between
-from pilotfish.cli.outputs import output_file
+from pilotfish.cli.outputs import output_beside
 from pilotfish.cli.rendered_out import check_out, with_progress, write_pictures
 
 if TYPE_CHECKING:
@@ -142,9 +142,9 @@ def mounting(
         )
         drive = rehearsal.plan_drive(model, true, settings)
         count = len(drive.places)
-        kind = check_out(out, (outlets.LOG, outlets.FOLDER, outlets.FILM), count, (model.width, model.height))
+        kind, note = check_out(out, (outlets.LOG, outlets.FOLDER, outlets.FILM), count, (model.width, model.height))
         truth, its_camera = outlets.beside(out, "truth.yaml"), outlets.beside(out, "camera.yaml")
-        besides = [output_file(each) for each in (truth, its_camera)]
+        besides = [output_beside(each) for each in (truth, its_camera)]
         imperfections = sim.Imperfections(blur_sigma_px=blur_px, noise_sigma=noise)
         shots = rehearsal.drive_shots(model, true, drive, imperfections, seed)
         if kind == outlets.LOG:
@@ -162,7 +162,7 @@ def mounting(
         rehearsal.write_true_mounting(truth, true, remarks)
         rehearsal.write_true_camera(its_camera, model, remarks=[f"The camera of {out.name}, without an error."])
         odometry = " with odometry" if kind == outlets.LOG else ""
-        tell(f"wrote {count} pictures{odometry} to {out}")
+        tell(f"wrote {count} pictures{odometry} to {out}{note}")
         for each in besides:
             each.wrote()
         command = ["pilotfish", "calibrate", "mounting", out, "--camera", its_camera, "--tag-size", f"{tag_size:g}"]

@@ -10,16 +10,18 @@ import typer
 
 from pilotfish.cli.board_options import read_option
 from pilotfish.cli.console import progress
-from pilotfish.cli.outputs import output_file, output_folder
+from pilotfish.cli.outputs import in_new_folder, output_file, output_folder
 
 if TYPE_CHECKING:
     from pilotfish.calibration.rehearsal import Shot
     from pilotfish.cli.console import OnProgress
 
 
-def check_out(out: Path, allowed: tuple[str, ...], count: int, camera: tuple[int, int]) -> str:
-    """The kind of ``out``; before minutes are spent: what cannot be written, pictures that would be mixed, a film of an
-    odd size. ConfigError, ExistsError, OSError, typer.BadParameter, MissingPackageError."""
+def check_out(out: Path, allowed: tuple[str, ...], count: int, camera: tuple[int, int]) -> tuple[str, str]:
+    """The kind of ``out``, and what is to be said of where it lies (in a new folder, or replaced).
+
+    Before minutes are spent: what cannot be written, pictures that would be mixed, a film of an odd size. ConfigError,
+    ExistsError, OSError, typer.BadParameter, MissingPackageError."""
     from pilotfish.calibration.rehearsal import outlets
     from pilotfish.extras import require
 
@@ -32,15 +34,15 @@ def check_out(out: Path, allowed: tuple[str, ...], count: int, camera: tuple[int
             raise typer.BadParameter(f"--out: {out} is a file; name a folder, or NAME.mp4")
         output_folder(out)
         outlets.check_folder(out, count)
-        return kind
-    output_file(out)
+        return kind, in_new_folder(out)
+    target = output_file(out)
     if kind == outlets.FILM:
         require("av", "export")
         if any(side % 2 for side in camera):
             raise typer.BadParameter(
                 f"--out: a film's sides are even, the pictures have {camera[0]}x{camera[1]} px: write a folder"
             )
-    return kind
+    return kind, target.note
 
 
 def write_pictures(label: str, kind: str, out: Path, shots: Iterator[Shot], count: int) -> int:

@@ -38,6 +38,7 @@ def report(
       pilotfish report /var/lib/pilotfish --robot robot2 --out robot2.html
     """
     from pilotfish.logs import read_run
+    from pilotfish.logs.glance import check_recorded
     from pilotfish.logs.report import report_html
     from pilotfish.whole_files import written_whole
 
@@ -45,6 +46,8 @@ def report(
         inputs = (file for path in runs for file in ([path] if path.is_file() else path.iterdir()))
         target = output_file(out, inputs)
         recordings = []
+        for path in runs:
+            check_recorded(path, robot)
         for path in runs:
             with byte_progress(f"reading {path.name or path}") as step:
                 recordings.append(read_run(path, robot, step))

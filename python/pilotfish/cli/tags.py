@@ -11,7 +11,7 @@ import typer
 
 from pilotfish.cli.board_options import COLUMNS, ROWS, SQUARE, board_from_options, read_option
 from pilotfish.cli.console import friendly_errors, progress, tell_next
-from pilotfish.cli.options import between
+from pilotfish.cli.options import between, check_family
 from pilotfish.cli.outputs import Output, output_file
 from pilotfish.whole_files import check_same
 
@@ -170,6 +170,8 @@ def tags(
     _refuse_mixed(context, ids is not None, body is not None, faces is not None, board is not None)
     sheet = read_option("--paper", parse_paper, paper)
     _check_suffixes(out, leader)
+    if family is not None:
+        check_family(family)
     with friendly_errors():
         require("reportlab", "tags")  # said at once
         if board is not None:

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pilotfish.held_interrupts import HeldInterrupts
+
 _COMMAND_TIMEOUT_S = 5.0
 
 
@@ -42,9 +44,10 @@ class Host:
     def run(self, command: Sequence[str | Path]) -> subprocess.CompletedProcess[str] | None:
         """None if there is no such program or it does not end."""
         try:
-            return subprocess.run(
-                [str(word) for word in command], capture_output=True, text=True, timeout=_COMMAND_TIMEOUT_S
-            )
+            with HeldInterrupts():  # an interrupt within subprocess can leave it waiting without end
+                return subprocess.run(
+                    [str(word) for word in command], capture_output=True, text=True, timeout=_COMMAND_TIMEOUT_S
+                )
         except (OSError, subprocess.TimeoutExpired):
             return None
 

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 from pilotfish.formation.chain import chain_of
 from pilotfish.formation.measures import Keeping, keeping, least_apart_m, positions
 from pilotfish.formation.run import play
@@ -58,7 +58,7 @@ def path_of(path: str, robots: int, spacing_m: float, speed_mps: float) -> tuple
         lap_s = 6.1 * half_length_m / speed_mps
         shape = {"half_length_m": half_length_m, "half_width_m": round(0.75 * half_length_m, 3)}
         return {"kind": "figure_eight", **shape, **profile}, 4.0 / 3.0 * lap_s
-    raise ConfigError(f"path: '{path}' is not one of {', '.join(PATHS)}")
+    raise UsageError(f"path: '{path}' is not one of {', '.join(PATHS)}")
 
 
 def steady_gaps(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pilotfish import coordinator, core
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 
 MAX_DELAY_S = 1.0
 
@@ -24,7 +24,7 @@ class Network:
     def __post_init__(self) -> None:
         for key, value, most in (("delay_s", self.delay_s, MAX_DELAY_S), ("loss", self.loss, 1.0)):
             if not 0.0 <= value <= most:
-                raise ConfigError(f"{key}: {value:g} is not allowed: 0 to {most:g}")
+                raise UsageError(f"{key}: {value:g} is not allowed: 0 to {most:g}")
 
 
 @dataclass

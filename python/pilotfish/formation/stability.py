@@ -26,11 +26,12 @@ from typing import Any
 import numpy as np
 
 from pilotfish.deaf_children import deaf_children
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, UsageError
 from pilotfish.formation.chain import chain_of, drive_chain
 from pilotfish.formation.relay import Network
 from pilotfish.formation.response import StepResponse, fit_sine, step_response
 from pilotfish.harness.run import OnProgress
+from pilotfish.held_interrupts import HeldInterrupts
 from pilotfish.recording import FloatArray
 
 LAWS = ("paper", "anticipate", "pid", "pbvs")
@@ -121,13 +122,18 @@ def measure(
 
 
 def check(trial: Trial) -> None:
-    """ConfigError if the sine asks for more than the robots can do or for a leader that stops."""
+    """UsageError if the sine asks for more than the robots can do or for a leader that stops."""
     if not 0.0 < trial.amplitude_mps < trial.speed_mps:
-        raise ConfigError(
+        raise UsageError(
             f"amplitude_mps: {trial.amplitude_mps:g} is not allowed: more than 0 and less than the speed "
             f"({trial.speed_mps:g}), so that the leader never stops"
         )
-    chain_of(trial.robots, trial.spacing_m, _content(trial))
+    try:
+        chain_of(trial.robots, trial.spacing_m, _content(trial))
+    except ConfigError as error:
+        if trial.coordinator is not None:  # its limits may be what forbids it
+            raise
+        raise UsageError(str(error)) from error
 
 
 def window_s(trial: Trial, frequency_hz: float) -> tuple[float, float]:
@@ -186,17 +192,18 @@ def _answers(tasks, trial: Trial, jobs: int | None, on_progress: OnProgress | No
     # The longest first; "spawn", because threads of the parent do not survive a fork.
     ordered = sorted(tasks, key=lambda task: task[2] or 1.0)
     with ProcessPoolExecutor(min(count, len(tasks)), mp_context=get_context("spawn")) as pool:
-        with deaf_children():
-            futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}
         try:
+            with deaf_children():  # an interrupt that came meanwhile is raised on leaving it
+                futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}
             for done, future in enumerate(as_completed(futures), 1):
                 yield futures[future], future.result()
                 report(done, len(tasks))
         except BaseException:
-            workers = list(pool._processes.values())  # pool.terminate_workers() from Python 3.14 on
-            pool.shutdown(wait=False, cancel_futures=True)
-            for worker in workers:  # what they are in the middle of would take seconds, and nobody wants it
-                worker.terminate()
+            with HeldInterrupts():  # else one more leaves workers at work, and the pool waits for them
+                workers = list((pool._processes or {}).values())  # pool.terminate_workers() from Python 3.14 on
+                pool.shutdown(wait=False, cancel_futures=True)
+                for worker in workers:  # what they are in the middle of would take seconds, and nobody wants it
+                    worker.terminate()
             raise
 
 

@@ -82,16 +82,16 @@ def _is_ready(child: Child) -> bool:
 def _wait_for_end(sim: Child, coordinators: dict[str, Child], frames: int, on_progress: OnProgress | None) -> None:
     deadline = time.monotonic() + READY_WITHIN_S + SECONDS_PER_FRAME * frames * len(coordinators)
     watched = next(iter(coordinators.values()))
-    while sim.process.poll() is None:
+    while (ended := sim.poll()) is None:
         for child in coordinators.values():
-            if (code := child.process.poll()) is not None:
+            if (code := child.poll()) is not None:
                 raise child.error(f"ended with {code} in the middle of the run")
         if time.monotonic() > deadline:
             raise sim.error(f"did not play {frames} frames in time")
         if on_progress:
             on_progress(min(watched.stdout_file.read_bytes().count(b"\n"), frames), frames)
         time.sleep(0.1)
-    if sim.process.returncode:
-        raise sim.error(f"ended with {sim.process.returncode}")
+    if ended:
+        raise sim.error(f"ended with {ended}")
     if on_progress:
         on_progress(frames, frames)

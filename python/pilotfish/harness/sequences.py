@@ -8,7 +8,6 @@ says.
 from __future__ import annotations
 
 import csv
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -76,10 +75,9 @@ def look_at_images(folder: Path, config: Path, *, profile: str | None = None) ->
         tempfile.TemporaryDirectory(prefix="pilotfish-") as temporary,
         Child(command, Path(temporary), "coordinator") as child,
     ):
-        try:
-            code = child.process.wait(_START_WITHIN_S + _SECONDS_PER_PICTURE * pictures)
-        except subprocess.TimeoutExpired:
-            raise child.error(f"did not look at {pictures} pictures in time") from None
+        code = child.wait(_START_WITHIN_S + _SECONDS_PER_PICTURE * pictures)
+        if code is None:
+            raise child.error(f"did not look at {pictures} pictures in time")
         if code:
             raise child.error(f"ended with {code}")
         return parse_reports(child.stdout().splitlines())

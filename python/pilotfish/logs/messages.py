@@ -32,7 +32,7 @@ TYPES: dict[str, Any] = {
     "MOTION": motion_t,
     "IMAGE": image_t,
 }
-_FINGERPRINTS = {bytes(kind._get_packed_fingerprint()): suffix for suffix, kind in TYPES.items()}
+FINGERPRINTS = {bytes(kind._get_packed_fingerprint()): suffix for suffix, kind in TYPES.items()}
 _FINGERPRINT_BYTES = 8
 
 
@@ -48,7 +48,7 @@ class Message:
 
 def kind_of(event: Event) -> str | None:
     """A name of TYPES; None if the event is none of our messages."""
-    return _FINGERPRINTS.get(event.data[:_FINGERPRINT_BYTES])
+    return FINGERPRINTS.get(event.data[:_FINGERPRINT_BYTES])
 
 
 def robot_of(channel: str, kind: str) -> str:

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from pilotfish.logs.run import RobotRun, Table
 from pilotfish.logs.unseen import never_measured
 from pilotfish.plots.run_lines import run_lines
-from pilotfish.plots.status_band import draw_status_band, status_stretches
+from pilotfish.plots.status_band import draw_status_band, silence_style, silences, status_stretches
 from pilotfish.plots.status_colours import STATUS_COLOURS
 from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.plots.thinned import alone, thinned
@@ -75,7 +75,7 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         times = [_times(run, runs) for run in runs.values() if len(run.frames)]
         begin_s, end_s = min(t[0] for t in times), max(t[-1] for t in times)
         end_s = max(end_s, begin_s + 1e-3)
-        _draw_band(band, runs, (begin_s, end_s))
+        _draw_band(band, runs, (begin_s, end_s), theme.ink)
         lines = run_lines(runs, theme)
         for axes, (label, values) in zip(panels, _PANELS, strict=True):
             if "RMS" not in label:
@@ -97,6 +97,8 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         panels[-1].set_xlabel(f"time since {'the first picture' if len(runs) > 1 else 'the recording began'} [s]")
         panels[-1].set_xlim(begin_s, end_s)
         handles = [Patch(color=colour, label=status) for status, colour in _shown(runs, end_s).items()]
+        if any(silences(status_stretches(run)) for run in runs.values()):
+            handles.append(Patch(label="no messages", **silence_style(theme.ink)))
         if len(runs) > 1:
             handles += panels[0].get_legend_handles_labels()[0]
         figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 5), fontsize=9)
@@ -137,11 +139,11 @@ def _times(run: RobotRun, runs: Runs) -> FloatArray:
     return run.frames["t_s"] - _origin_s(run, runs)
 
 
-def _draw_band(axes: Axes, runs: Runs, span_s: tuple[float, float]) -> None:
+def _draw_band(axes: Axes, runs: Runs, span_s: tuple[float, float], ink: str) -> None:
     for row, run in enumerate(runs.values()):
         origin_s = _origin_s(run, runs)
         stretches = [(from_s - origin_s, to_s - origin_s, status) for from_s, to_s, status in status_stretches(run)]
-        draw_status_band(axes, stretches, -row, 0.8, span_s)
+        draw_status_band(axes, stretches, -row, 0.8, span_s, ink)
     names = list(runs) if len(runs) > 1 else ["status"]
     axes.set_yticks([-row for row in range(len(runs))], names)
     axes.set_ylim(-len(runs) + 0.4, 0.6)

@@ -7,12 +7,15 @@ a pixel, and a run that follows for 99.97 % of the time would look striped.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.patches import Rectangle
 
 from pilotfish.logs.run import RobotRun
 from pilotfish.plots.status_colours import STATUS_COLOURS, status_colour
@@ -20,6 +23,8 @@ from pilotfish.plots.thinned import BREAK_S
 
 COLUMNS = 400  # some two or three pixels each, on a page and in a picture
 _WHOLE = 1.0 - 1e-9
+_WORDS_SHARE = 0.14  # of the band's width, that "no messages for 12.3 s" takes
+_NUMBER_SHARE = 0.05  # and "12.3 s"
 
 Stretch = tuple[float, float, str]  # from [s], to [s], status
 
@@ -79,10 +84,21 @@ def band_pieces(stretches: Sequence[Stretch], begin_s: float, end_s: float, colu
     return pieces
 
 
+def silences(stretches: Sequence[Stretch]) -> list[tuple[float, float]]:
+    """(from, to): where nothing was sent between two stretches, or nothing of it recorded, for longer than BREAK_S.
+    Stretches are in order and do not overlap."""
+    return [
+        (until_s, from_s)
+        for (_, until_s, _), (from_s, _, _) in itertools.pairwise(stretches)
+        if from_s - until_s > BREAK_S
+    ]
+
+
 def draw_status_band(
-    axes: Axes, stretches: Sequence[Stretch], middle: float, height: float, span_s: tuple[float, float]
+    axes: Axes, stretches: Sequence[Stretch], middle: float, height: float, span_s: tuple[float, float], ink: str
 ) -> None:
-    """Around ``middle`` on the axis of y, from span_s[0] to span_s[1]."""
+    """Around ``middle`` on the axis of y, from span_s[0] to span_s[1]. Silences are hatched in the colour ``ink``, and
+    named where there is room for words."""
     pieces = band_pieces(stretches, *span_s)
     low = middle - height / 2
     corners = []
@@ -94,6 +110,23 @@ def draw_status_band(
     colours = [status_colour(piece.status) for piece in pieces]
     # Neighbours must touch without a seam, which smoothed edges would leave.
     axes.add_collection(PolyCollection(corners, facecolors=colours, linewidths=0, antialiaseds=False))
+    for from_s, to_s in silences(stretches):
+        _draw_silence(axes, from_s, to_s, low, height, ink, (to_s - from_s) / (span_s[1] - span_s[0]))
+
+
+def silence_style(ink: str) -> dict[str, Any]:
+    """How a patch looks that stands for no messages."""
+    return {"facecolor": "none", "edgecolor": ink, "alpha": 0.45, "linewidth": 0.5, "hatch": "////"}
+
+
+def _draw_silence(axes: Axes, from_s: float, to_s: float, low: float, height: float, ink: str, share: float) -> None:
+    """Words instead of the hatching, where there is room: upon it they could not be read."""
+    words = f"no messages for {to_s - from_s:.1f} s" if share >= _WORDS_SHARE else f"{to_s - from_s:.1f} s"
+    look = silence_style(ink)
+    if share >= _NUMBER_SHARE:
+        look["hatch"] = None
+        axes.text((from_s + to_s) / 2, low + height / 2, words, ha="center", va="center", fontsize=7, color=ink)
+    axes.add_patch(Rectangle((from_s, low), to_s - from_s, height, **look))
 
 
 def _append(pieces: list[Piece], piece: Piece) -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pilotfish.calibration.board import DICTIONARIES, Board
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 from pilotfish.extras import require
 from pilotfish.printing.outline import outline
 from pilotfish.printing.page import FOOTER_M, Page, Shape, furniture, printable_m
@@ -19,14 +19,14 @@ _TITLE_M = 0.0045  # above the ruler
 
 
 def board_pages(board: Board, paper: Paper) -> list[Page]:
-    """One page, the paper turned if the board fits better so. ConfigError if it does not fit, with the largest squares
+    """One page, the paper turned if the board fits better so. UsageError if it does not fit, with the largest squares
     that do; MissingPackageError if a ChArUco board's markers cannot be had because OpenCV is missing."""
     rooms = {turned: _room_m(turned) for turned in (paper, paper.turned)}
     fits = {turned: min(room[0] / board.columns, room[1] / board.rows) for turned, room in rooms.items()}
     best = max(fits, key=lambda turned: fits[turned])
     if fits[best] < board.square_m - 1e-9:
-        raise ConfigError(
-            f"board.square_m: {board.columns} x {board.rows} squares of {millimetres(board.square_m)} need"
+        raise UsageError(
+            f"--square: {board.columns} x {board.rows} squares of {millimetres(board.square_m)} need"
             f" {millimetres(board.size_m[0])} x {millimetres(board.size_m[1])} and do not fit on {paper.name};"
             f" the largest squares that do are {millimetres(math.floor(fits[best] * 1e4) / 1e4)}"
         )

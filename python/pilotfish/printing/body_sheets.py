@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pilotfish.core import LeaderBody
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 from pilotfish.printing.folding import SIDES, Joint, Net, Panel, make_nets
 from pilotfish.printing.page import (
     FOOTER_M,
@@ -37,7 +37,7 @@ _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def body_pages(body: LeaderBody, paper: Paper, *, border_cells: float = 1.0, fold: bool = True) -> list[Page]:
-    """One page a sheet. ConfigError if a tag does not fit on the paper, or the family does not have an id.
+    """One page a sheet. UsageError if a tag does not fit on the paper, or the family does not have an id.
 
     fold: False for one sheet a face, cut where the faces meet.
     """
@@ -55,7 +55,7 @@ def body_pages(body: LeaderBody, paper: Paper, *, border_cells: float = 1.0, fol
     for k, net in enumerate(nets, 1):
         on = next((turned for turned in papers if _fits(net, arts, turned)), None)
         if on is None:
-            raise ConfigError(_too_large(body, arts, net, border_cells, paper))
+            raise UsageError(_too_large(body, arts, net, border_cells, paper))
         pages.append(_page(body, net, arts, on, letters, f"{k} / {len(nets)}"))
     return pages
 

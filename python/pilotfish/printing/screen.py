@@ -9,7 +9,7 @@ import numpy as np
 
 from pilotfish.calibration.body.leader_file import body_tag
 from pilotfish.core import BodyTag, LeaderBody
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 from pilotfish.printing.tag_art import tag_art
 
 MOST_FACES = 12  # what a leader may wear
@@ -27,7 +27,7 @@ def folded_screen(
     border_cells: float = 1.0,
     name: str = "leader",
 ) -> LeaderBody:
-    """The tags of such a sheet in the leader's base frame. ConfigError names what is out of range.
+    """The tags of such a sheet in the leader's base frame. UsageError names what is out of range.
 
     ids: from left to right as one reads the sheet; angle_rad: by which every face turns away from its neighbour, to the
     back (0: a flat sheet); position_m: of the middle of the sheet: the centre of the middle tag, or of the middle fold;
@@ -43,11 +43,11 @@ def folded_screen(
     """
     count = len(ids)
     if not 1 <= count <= MOST_FACES:
-        raise ConfigError(f"faces: {count}; a leader has 1 to {MOST_FACES} tags")
+        raise UsageError(f"--faces: {count}; a leader has 1 to {MOST_FACES} tags")
     if angle_rad < 0.0 or count * angle_rad > 2 * math.pi + 1e-9:
         most = 360.0 / count
-        raise ConfigError(
-            f"angle-deg: {math.degrees(angle_rad):g}; {count} faces can be folded by 0 to {most:g} degrees each:"
+        raise UsageError(
+            f"--angle-deg: {math.degrees(angle_rad):g}; {count} faces can be folded by 0 to {most:g} degrees each:"
             f" all round is 360"
         )
     width_m = tag_art(family, ids[0], size_m, border_cells).side_m

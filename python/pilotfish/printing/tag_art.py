@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 from pilotfish.printing.outline import outline
 from pilotfish.printing.page import Shape
 from pilotfish.vision import TagFamily
@@ -46,7 +46,7 @@ def tag_art(family: str, tag_id: int, size_m: float, border_cells: float = 1.0) 
     try:
         bitmap = tags.bitmap(tag_id)
     except IndexError as error:
-        raise ConfigError(f"ids: {error}") from error
+        raise UsageError(f"--ids: {error}") from error
     black = bitmap == 0
     ring = np.concatenate([black[0], black[-1], black[:, 0], black[:, -1]])
     inner = black if ring.any() else black[1:-1, 1:-1]  # the white ring of a bitmap counts as border

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 from pilotfish.printing.page import (
     FOOTER_M,
     HEADER_M,
@@ -38,7 +38,7 @@ _UPRIGHT = np.eye(2)
 def loose_tag_pages(
     ids: Sequence[int], size_m: float, paper: Paper, *, family: str = "tag36h11", border_cells: float = 1.0
 ) -> list[Page]:
-    """Sheets with these tags, side of the black square size_m, in rows. ConfigError if one does not fit on the paper
+    """Sheets with these tags, side of the black square size_m, in rows. UsageError if one does not fit on the paper
     (with the largest that does), the family is unknown or does not have an id."""
     arts = [tag_art(family, tag_id, size_m, border_cells) for tag_id in ids]
     if not arts:
@@ -61,7 +61,7 @@ def _grid(art: TagArt, paper: Paper) -> tuple[int, int]:
     if columns == 0 and art.side_m <= paper.width_m + 1e-9 and art.ink_m <= paper.width_m - 2 * MARGIN_M + 1e-9:
         columns = 1
     if columns * rows == 0:
-        raise ConfigError(_too_large(art, paper))
+        raise UsageError(_too_large(art, paper))
     return columns, rows
 
 
@@ -72,7 +72,7 @@ def _count(room_m: float, side_m: float) -> int:
 def _too_large(art: TagArt, paper: Paper) -> str:
     largest = largest_tag_m(art.family, art.border_cells, paper)
     return (
-        f"size: a tag of {millimetres(art.size_m)} needs {millimetres(art.side_m)} with its white border and does not"
+        f"--size: a tag of {millimetres(art.size_m)} needs {millimetres(art.side_m)} with its white border and does not"
         f" fit on {paper.name}; the largest that does is {millimetres(largest)}. Larger paper: --paper A3, A2, or"
         f" a size such as --paper 600x600mm for a print shop"
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from pilotfish import core
 from pilotfish.bus import Bus, BusError, channel, load_key
-from pilotfish.errors import ConfigError, SilentRobotError
+from pilotfish.errors import ConfigError, SilentRobotError, UsageError
 from pilotfish.ros.command_gate import CommandGate, GatedCommand
 
 REAL_TIME_PRIORITY = 20  # as pilotfish-base
@@ -19,10 +19,13 @@ _LAST_ZEROS = 3  # a datagram may be lost
 
 
 def open_link(robot: str, lcm_url: str = "", key_file: Path | None = None) -> Bus:
-    """The bus that ``robot`` is commanded on. ConfigError for a name, URL or key that is none; SilentRobotError if the
-    bus cannot be opened."""
+    """The bus that ``robot`` is commanded on. UsageError for a name that is none, ConfigError for a URL or key that is
+    none; SilentRobotError if the bus cannot be opened."""
     try:
         channel(robot, "BASE")
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+    try:
         link = Bus(lcm_url)
         if key_file is not None:
             link.set_key(load_key(str(key_file)))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pilotfish.data import did_you_mean
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, UsageError
 from pilotfish.sweep.metrics import DIED, ERROR, METRICS, OK
 from pilotfish.sweep.store import Say, read_identity, read_rows
 
@@ -65,7 +65,7 @@ class Results:
             return np.where(self.columns["outcome"] == OK, 0.0, 100.0)
         if name not in self.identity["metrics"]:
             near = did_you_mean(name, self.metrics)
-            raise ConfigError(f"no figure '{name}'{near}; there are: {', '.join(self.metrics)}")
+            raise UsageError(f"--metric: no figure '{name}'{near}; there are: {', '.join(self.metrics)}")
         return self.columns[name]
 
     def check_has(self, metric: str) -> None:
@@ -103,17 +103,17 @@ class Results:
         if len(ends) == 1:
             return ends[0], known[ends[0]]
         if ends:
-            raise ConfigError(f"'{name}' may be any of: {', '.join(ends)}")
-        raise ConfigError(f"no factor '{name}'{did_you_mean(name, known)}; there are: {', '.join(known)}")
+            raise UsageError(f"'{name}' may be any of: {', '.join(ends)}")
+        raise UsageError(f"no factor '{name}'{did_you_mean(name, known)}; there are: {', '.join(known)}")
 
     def where(self, conditions: Sequence[str]) -> Results:
-        """Only the runs for which each "NAME=VALUE" holds; NAME as in factor(). ConfigError lists the values there are,
+        """Only the runs for which each "NAME=VALUE" holds; NAME as in factor(). UsageError lists the values there are,
         if none has this one."""
         mask = np.full(len(self), True)
         for condition in conditions:
             name, equals, text = condition.partition("=")
             if not equals:
-                raise ConfigError(f"--where {condition}: FACTOR=VALUE is wanted")
+                raise UsageError(f"--where {condition}: FACTOR=VALUE is wanted")
             name, values = self.factor(name)
             if values.dtype.kind in "fi":
                 hits = np.isclose(values, _number(text, condition), rtol=1e-9, atol=0.0)
@@ -122,10 +122,10 @@ class Results:
             if not hits.any():
                 there = list(dict.fromkeys(str(value) for value in values.tolist()))
                 more = f" and {len(there) - _SHOWN} more" if len(there) > _SHOWN else ""
-                raise ConfigError(f"--where {condition}: no run has this; {name} is {', '.join(there[:_SHOWN])}{more}")
+                raise UsageError(f"--where {condition}: no run has this; {name} is {', '.join(there[:_SHOWN])}{more}")
             mask &= hits
         if not mask.any():
-            raise ConfigError(f"no run has all of --where {', '.join(conditions)}")
+            raise UsageError(f"no run has all of --where {', '.join(conditions)}")
         return Results(self.identity, {name: values[mask] for name, values in self.columns.items()})
 
 
@@ -133,7 +133,7 @@ def _number(text: str, condition: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise ConfigError(f"--where {condition}: '{text}' is not a number") from None
+        raise UsageError(f"--where {condition}: '{text}' is not a number") from None
 
 
 def load_results(out: Path, say: Say | None = None) -> Results:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pilotfish.errors import ConfigError
+from pilotfish.errors import ConfigError, UsageError
 from pilotfish.extras import require
 from pilotfish.sweep.design import unit_problem
 from pilotfish.sweep.results import Results
@@ -56,7 +56,7 @@ def sensitivities(results: Results, metric: str, by: str | None = None, logarith
             "measure: `pilotfish sweep plot` shows listed factors"
         )
     if by and results.factor(by)[0] in names:
-        raise ConfigError(f"--by {by}: it is sampled; runs are told apart by a listed factor or one of levels")
+        raise UsageError(f"--by {by}: it is sampled; runs are told apart by a listed factor or one of levels")
     groups = results.factor(by)[1] if by else np.full(len(results), "")
     per_point = sampling["points"] * (len(names) + 2 if sampling["method"] == "sobol" else 1)
     sample = results.columns["point"] % per_point

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from urllib.parse import parse_qs, urlsplit
 
 from pilotfish.bus import Bus, BusError
-from pilotfish.errors import ConfigError, SilentRobotError
+from pilotfish.errors import SilentRobotError, UsageError
 from pilotfish.view.datagrams import Reassembly
 
 _MAX_DATAGRAM_BYTES = 65536
@@ -24,7 +24,7 @@ OnMessage = Callable[[str, bytes, float], None]
 def resolve_url(url: str) -> str:
     """The URL that is in use: the given one, else $LCM_DEFAULT_URL, else this host's bus.
 
-    Raises SilentRobotError with what to do if there is no such bus (no multicast route, a bad URL), ConfigError for a
+    Raises SilentRobotError with what to do if there is no such bus (no multicast route, a bad URL), UsageError for a
     provider that has no datagrams.
     """
     try:
@@ -32,7 +32,7 @@ def resolve_url(url: str) -> str:
     except BusError as error:
         raise SilentRobotError(str(error)) from error
     if urlsplit(used).scheme != "udpm":
-        raise ConfigError(f"--lcm-url: {used} is not of the provider udpm (udpm://239.255.76.67:7667?ttl=0)")
+        raise UsageError(f"--lcm-url: {used} is not of the provider udpm (udpm://239.255.76.67:7667?ttl=0)")
     return used
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pilotfish.capture import PICTURE_SUFFIXES
-from pilotfish.errors import ConfigError, ExistsError, MissingPackageError
+from pilotfish.errors import ExistsError, MissingPackageError, UsageError
 from pilotfish.extras import require
 from pilotfish.whole_files import written_whole
 
@@ -44,11 +44,11 @@ class Pose:
 
 
 def kind_of(out: Path) -> str:
-    """FOLDER, FILM or LOG, by the name's ending. ConfigError for an ending that is neither."""
+    """FOLDER, FILM or LOG, by the name's ending. UsageError for an ending that is neither."""
     if out.is_dir() or not out.suffix:
         return FOLDER
     if out.suffix.lower() not in _SUFFIXES:
-        raise ConfigError(f"{out}: not known what '{out.suffix}' is; a folder's name has no ending, a film's is .mp4")
+        raise UsageError(f"{out}: not known what '{out.suffix}' is; a folder's name has no ending, a film's is .mp4")
     return _SUFFIXES[out.suffix.lower()]
 
 

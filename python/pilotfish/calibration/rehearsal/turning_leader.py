@@ -14,7 +14,7 @@ from pilotfish.calibration.body.leader_file import body_tag
 from pilotfish.calibration.rehearsal.outlets import Shot
 from pilotfish.calibration.rehearsal.tags_in_view import STEEPEST_DEG, faces_camera, inside_picture, shortest_side_px
 from pilotfish.core import CameraModel, CameraMounting, LeaderBody
-from pilotfish.errors import ConfigError
+from pilotfish.errors import UsageError
 
 _ABOVE_M = 0.1  # by which the camera stands above the tags' mean height
 _BESIDE_M = 0.05  # by which the turning centre is beside the middle of the picture, so that nothing is symmetric
@@ -51,7 +51,7 @@ def with_wrong_faces(body: LeaderBody, off_m: float, off_rad: float, seed: int) 
 
 
 def plan_turn(camera: CameraModel, body: LeaderBody, pictures: int, distance_m: float) -> TurningLeader:
-    """One turn all round, ``distance_m`` before the camera. ConfigError if a tag leaves the picture, or is too small in
+    """One turn all round, ``distance_m`` before the camera. UsageError if a tag leaves the picture, or is too small in
     it."""
     height_m = float(np.mean([tag.position_m[2] for tag in body.tags]))
     mounting = CameraMounting(position_m=[0.0, 0.0, height_m + _ABOVE_M], tilt_rad=-math.atan2(_ABOVE_M, distance_m))
@@ -83,16 +83,16 @@ def _check_seen(camera: CameraModel, body: LeaderBody, poses: list[np.ndarray], 
             if not faces_camera(cMo, tag, STEEPEST_DEG):
                 continue
             if not inside_picture(camera, cMo, tag):
-                raise ConfigError(
+                raise UsageError(
                     f"tag {tag.id} leaves the picture at {distance_m:g} m: take a larger --distance-m or a wider camera"
                 )
             sides.append(shortest_side_px(camera, cMo, tag))
         if not sides:
-            raise ConfigError(
+            raise UsageError(
                 f"tag {tag.id} never faces the camera: does it look up or down? Or take more pictures (--pictures)"
             )
         if max(sides) < SMALL_SIDE_PX:
-            raise ConfigError(
+            raise UsageError(
                 f"tag {tag.id} has a side of {max(sides):.0f} px at most at {distance_m:g} m, {SMALL_SIDE_PX:.0f} are "
                 "needed: take a smaller --distance-m, or a larger --size of the pictures"
             )

@@ -23,6 +23,7 @@ from pilotfish.doctor.following.load import Machine, cpu_times, machine_load
 from pilotfish.doctor.following.no_coordinator import no_coordinator
 from pilotfish.doctor.following.setup import Setup, find_setup, load_setup, running_coordinators, runs_here
 from pilotfish.doctor.following.watch import Watched, watch_robot
+from pilotfish.doctor.following.whom import whom
 from pilotfish.doctor.host import Host
 
 __all__ = ["Cause", "Diagnosis", "Evidence", "Setup", "diagnose"]
@@ -76,23 +77,31 @@ def diagnose(
     SilentRobotError if there is no bus. Sends nothing."""
     host = host or Host()
     url = lcm_url or os.environ.get("LCM_DEFAULT_URL") or DEFAULT_URL
-    setup = load_setup(config, robot) if config else None
+    given = load_setup(config, robot) if config else None
     before = cpu_times(host)
     watched = watch_robot(robot, url, seconds, on_time)
     machine = machine_load(host, before)
     processes = running_coordinators(host)
-    setup = setup or find_setup(robot, url, processes)
+    running = find_setup(robot, url, processes)
+    setup = given or running
+    if given and running and given.file.resolve() == running.file.resolve():
+        given = None  # its coordinator is called so by its command line
     if not watched.statuses and not watched.commands:
-        return Diagnosis(robot, seconds, url, no_coordinator(watched, url, processes, host), [], None, setup, None)
-    return judge(watched, url, setup, machine=machine if runs_here(robot, url, processes) else None)
+        found, notes = no_coordinator(watched, url, processes, host), whom(robot, (), given)
+        return Diagnosis(robot, seconds, url, found, notes, None, setup, None)
+    return judge(watched, url, setup, machine=machine if runs_here(robot, url, processes) else None, given=given)
 
 
-def judge(watched: Watched, url: str, setup: Setup | None, *, machine: Machine | None = None) -> Diagnosis:
-    """The diagnosis of what was received of a coordinator; ``machine``: the computer that it runs on, if known."""
+def judge(
+    watched: Watched, url: str, setup: Setup | None, *, machine: Machine | None = None, given: Setup | None = None
+) -> Diagnosis:
+    """The diagnosis of what was received of a coordinator; ``machine``: the computer that it runs on, if known;
+    ``given``: as of whom()."""
     evidence = collect(watched, wall_offset_s=time.time() - time.monotonic())
     channel = (setup.image_channel if setup else None) or f"{watched.robot.upper()}_IMAGE"
     in_view = look(watched, channel, setup.family if setup else DEFAULT_FAMILY)
     found, notes = causes(watched.robot, evidence, setup, in_view, machine)
+    notes = whom(watched.robot, watched.others, given) + notes
     return Diagnosis(watched.robot, watched.seconds, url, found, notes, evidence, setup, in_view, machine)
 
 

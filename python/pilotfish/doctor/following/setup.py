@@ -28,6 +28,12 @@ class Setup:
     body: str  # the leader's name
     frame_rate_hz: float = 30.0
     run: bool = True  # setpoint.run: it drives as soon as it is started
+    file_name: str = ""  # the robot's name as the file says it, whatever the command line says
+
+    @property
+    def written_name(self) -> str:
+        """The robot that the file is of."""
+        return self.file_name or self.name
 
     @property
     def image_channel(self) -> str | None:
@@ -85,6 +91,7 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
         body=part.leader.name,
         frame_rate_hz=loaded.frame_rate_hz,
         run=part.setpoint.run,
+        file_name=loaded.name,
     )
 
 

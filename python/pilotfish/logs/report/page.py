@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from html import escape
 
-import numpy as np
-
 from pilotfish.logs.beginning import approach_is_missing, late_beginnings
 from pilotfish.logs.report.look import CSS
 from pilotfish.logs.report.tables import (
@@ -19,29 +17,16 @@ from pilotfish.logs.report.tables import (
     stage_table,
     summary_table,
 )
+from pilotfish.logs.report.tiles import doubts_of, tiles
 from pilotfish.logs.run import RobotRun, Run
 from pilotfish.logs.same_run import same_runs
 from pilotfish.logs.settings_keys import differences
-from pilotfish.logs.summary import TITLES, Summary, shown, summarize
-from pilotfish.logs.unseen import never_measured
+from pilotfish.logs.summary import summarize
 from pilotfish.plots.inline_svg import inline_svg
 from pilotfish.plots.relative_view import draw_relative_view
 from pilotfish.plots.run_overview import draw_run_overview
 from pilotfish.plots.style import ON_PAGE
 
-_TILES = (
-    "duration_s",
-    "followed_share",
-    "rms_distance_error_mm",
-    "rms_bearing_error_deg",
-    "settling_s",
-    "latency_p99_ms",
-    "zeros_without_picture",
-)
-_NOT_SETTLED = (
-    "has not settled: in its last quarter the distance error left its mean by more than 50 mm, or there was too little "
-    "of it. What stands as after the approach is that quarter all the same"
-)
 # Nothing may be loaded, whatever a recording has put into the page.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
@@ -85,13 +70,7 @@ def summary_section(runs: Sequence[ReportedRun]) -> str:
     summaries = {run.name: summarize(run.robot) for run in runs}
     parts = [f'<p class="dim">{escape(_recorded(run))}</p>' for run in runs]
     if len(runs) == 1:
-        summary = next(iter(summaries.values()))
-        tiles = ""
-        for name in _TILES:
-            label, unit, _ = TITLES[name]
-            value = escape(f"{shown(name, getattr(summary, name))} {unit}".strip())
-            tiles += f'<div class="tile"><b>{value}</b>{escape(label)}</div>'
-        parts.append(f'<div class="tiles">{tiles}</div>')
+        parts.append(tiles(runs[0].recording, runs[0].robot, summaries[runs[0].name]))
     parts.append(summary_table(summaries))
     parts.append(
         '<p class="dim">Errors are those that the coordinator measured by its own camera; what the camera cannot see '
@@ -100,22 +79,17 @@ def summary_section(runs: Sequence[ReportedRun]) -> str:
     )
     parts += [f'<p class="dim">{escape(pair.text)}</p>' for pair in same_runs({run.name: run.robot for run in runs})]
     parts += [
-        f'<p class="warning">{escape(run.name)}: {escape(text)}.</p>'
+        f'<p class="dim">{escape(run.name)}: {escape(text)}.</p>'
         for run in runs
-        for text in _provisos(run.robot, summaries[run.name])
+        if not approach_is_missing(run.robot)  # else it is among the doubts
+        for text in late_beginnings(run.robot)
     ]
+    for run in runs:
+        doubts = doubts_of(run.recording, run.robot, summaries[run.name])
+        parts += [f'<p class="warning">{escape(run.name)}: {escape(doubt)}.</p>' for doubt in doubts.values()]
     for run in runs:
         parts += [f'<p class="warning">{escape(run.name)}: {escape(text)}</p>' for text in _troubles(run.recording)]
     return "\n".join(parts)
-
-
-def _provisos(robot: RobotRun, summary: Summary) -> list[str]:
-    """What must be known of a run before its figures are read."""
-    if unseen := never_measured(robot):
-        return [unseen, *late_beginnings(robot)]
-    if approach_is_missing(robot):
-        return [f"{text}. The approach is not in it, and has no figures" for text in late_beginnings(robot)]
-    return [*late_beginnings(robot), *([] if np.isfinite(summary.settling_s) else [f"it {_NOT_SETTLED}"])]
 
 
 def _recorded(run: ReportedRun) -> str:
@@ -153,7 +127,8 @@ def _figures(robots: dict[str, RobotRun]) -> str:
     view = inline_svg(draw_relative_view(robots, theme=ON_PAGE), "view")
     over_time = (
         "Over time. Lines are broken where nothing was measured. Above, the area of a colour is its share of the time: "
-        "what is too short to be seen is among the events."
+        "what is too short to be seen is among the events. Hatched: no messages were recorded, for as long as it says "
+        "where there is room."
     )
     return (
         f"<figure>{overview}<figcaption>{over_time}</figcaption></figure>\n"
