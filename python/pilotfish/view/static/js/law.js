@@ -53,7 +53,7 @@ export class Law {
       const strength = Number(shown); // what is less than 0.005 does not fire: bold with "0.00" on it says nothing
       if (one.dataset.strength === shown && one.hasAttribute("data-strongest") === (most > 0 && strength === most)) return;
       one.dataset.strength = shown;
-      one.style.backgroundColor = strength > 0 ? `rgba(${colour("hot")}, ${0.12 + 0.7 * Math.min(strength, 1)})` : "";
+      one.style.backgroundColor = strength > 0 ? `rgba(var(--hot), ${0.12 + 0.7 * Math.min(strength, 1)})` : "";
       one.toggleAttribute("data-fires", strength > 0);
       one.toggleAttribute("data-strongest", most > 0 && strength === most);
       one.title = `IF E is ${one.dataset.rule.split(" ")[0]} AND EC is ${one.dataset.rule.split(" ")[1]} THEN U is ${one.textContent}: fires at ${shown}`;
