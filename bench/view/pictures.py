@@ -63,7 +63,9 @@ def main(out: Annotated[Path, typer.Option(help="Folder for view-*.png.")] = Pat
             page.wait_for_function("() => document.body.innerText.includes('Following the leader')")
             time.sleep(REDRAWN_S)
             page.keyboard.press("Escape")
-            page.wait_for_function("() => document.body.innerText.includes('confirmed')")
+            page.wait_for_function(
+                "() => ['confirmed', 'Stopped'].every((word) => document.body.innerText.includes(word))"
+            )
             page.screenshot(path=out / f"{name}.png")
             page.get_by_role("button", name="Resume").click()  # at once: the leader drives on
             page.evaluate("() => scrollTo(0, 0)")

@@ -3,7 +3,7 @@
 import signal
 import sys
 
-from pilotfish import capture, coordinator
+from pilotfish import capture, coordinator, core
 
 for number in (signal.SIGINT, signal.SIGPIPE):
     signal.signal(number, signal.SIG_DFL)  # Ctrl-C and `| head` end it, as any program
@@ -14,15 +14,18 @@ try:
     frames = capture.open_images(sys.argv[2], frame_rate_hz=file.frame_rate_hz)
 except (OSError, ValueError) as error:
     sys.exit(f"follow_without_lcm: {error}")
-pilot = coordinator.Coordinator(file.coordinator)
+pilot, camera = coordinator.Coordinator(file.coordinator), file.coordinator.camera
 
 for frame in frames:
     # On a robot this is the monotonic clock, read when the picture arrives. Here time passes as the stamps say.
     result = pilot.step(frame, now_us=frame.utime)
+    why = f": {result.reason.text}" if result.reason.text else ""
+    if result.reason == core.Reason.frame_size_not_calibrated:
+        why += f" ({frame.width} x {frame.height}, calibration {camera.width} x {camera.height})"
     distance = f", d = {result.observation.distance_m:.3f} m" if result.observation else ""
     print(
         f"{frame.utime * 1e-6:.3f} s: {result.status.name:9} v = {result.command.linear_mps:+.3f} m/s, "
-        f"w = {result.command.angular_radps:+.3f} rad/s{distance}"
+        f"w = {result.command.angular_radps:+.3f} rad/s{distance}{why}"
     )
 # No picture for longer than a measurement is valid: a wheel driver calls this in every period and gets a stop.
 end = pilot.command_at(now_us=frame.utime + 200_000)

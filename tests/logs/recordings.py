@@ -35,7 +35,8 @@ WALL_US = 1_764_000_000_000_000  # when the written recordings begin
 STAMP_US = 5_000_000  # of their first frame
 PERIOD_US = 33_333
 TRACKING, COASTING, LOST = command_t.STATUS_TRACKING, command_t.STATUS_COASTING, command_t.STATUS_LOST
-NO_TAG, NO_FRAME = 1, 5  # numbers of pilotfish::Reason
+STOPPED = command_t.STATUS_STOPPED
+NO_TAG, NO_FRAME, STOP_REQUESTED = 1, 5, 13  # numbers of pilotfish::Reason
 
 
 @dataclass(frozen=True)

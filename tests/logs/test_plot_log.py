@@ -25,18 +25,33 @@ def test_the_curves_are_the_errors_in_millimetres_and_degrees(recorded):
     robot = read_run(recorded.box).robots["robot1"]
     figure = draw_run_overview({"robot1": robot})
     _, distance, _magnified, bearing, speed, turn, latency = figure.axes
-    frames = robot.frames
-    for axes, expected in (
-        (distance, 1e3 * frames["error_m"]),
-        (bearing, np.degrees(frames["bearing_rad"] - frames["setpoint_bearing_rad"])),
-        (speed, frames["command_linear_mps"]),
-        (turn, np.degrees(frames["command_angular_radps"])),
-        (latency, 1e3 * frames["latency_s"]),
+    frames, commands = robot.frames, robot.commands
+    for axes, table, expected in (
+        (distance, frames, 1e3 * frames["error_m"]),
+        (bearing, frames, np.degrees(frames["bearing_rad"] - frames["setpoint_bearing_rad"])),
+        (speed, commands, commands["linear_mps"]),
+        (turn, commands, np.degrees(commands["angular_radps"])),
+        (latency, frames, 1e3 * frames["latency_s"]),
     ):
         time_s, values = curve(axes)
         assert axes.get_yscale() == "linear"
         np.testing.assert_allclose(values[np.isfinite(values)], expected, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(time_s[np.isfinite(time_s)], frames["t_s"])
+        np.testing.assert_allclose(time_s[np.isfinite(time_s)], table["t_s"])
+
+
+def test_a_zero_between_two_frames_is_seen_in_the_commanded_speed(tmp_path):
+    """Every frame is followed at 0.1 m/s; once no picture came, and the robot was told to stand still meanwhile."""
+    writer = Writer(tmp_path / "run.log")
+    for k in range(60):
+        writer.frame()
+        if k == 30:
+            writer.wall_us += 20_000
+            writer.command(LOST, NO_FRAME, linear_mps=0.0)
+        writer.passes()
+    robot = read_run(writer.file).robots["robot1"]
+    assert robot.frames["command_linear_mps"].min() == 0.1
+    _, speed_mps = curve(draw_run_overview({"robot1": robot}).axes[4])
+    assert speed_mps.min() == 0.0 and np.median(speed_mps) == 0.1
 
 
 def test_the_band_shows_what_was_sent_also_while_no_frame_came(tmp_path):
@@ -158,6 +173,25 @@ def test_a_run_without_a_leader_is_drawn(tmp_path):
     robot = read_run(writer.file).robots["robot1"]
     save(draw_run_overview({"robot1": robot}), tmp_path / "a.png")
     save(draw_relative_view({"robot1": robot}), tmp_path / "b.png")
+
+
+def test_where_nothing_was_measured_words_stand_instead_of_an_empty_axis(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for _ in range(30):
+        writer.frame(None)
+        writer.passes()
+    runs = {"robot1": read_run(writer.file).robots["robot1"]}
+    _, *panels = draw_run_overview(runs).axes
+    words = [[text.get_text() for text in axes.texts] for axes in panels]
+    cause = "the leader was never measured: no tag in the picture (all 30 frames)"
+    assert words == [[cause], ["never measured"], ["never measured"], [], [], []]
+    for axes in panels[:3]:
+        assert not any(line.get_visible() for line in axes.get_lines())
+        assert not any(label.get_visible() for label in axes.get_yticklabels())
+    above = draw_relative_view(runs)
+    assert [text.get_text().replace("\n", " ") for text in above.axes[0].texts] == [cause]
+    # No name in the legend of what is not in the picture.
+    assert [text.get_text() for text in above.legends[0].get_texts()] == ["the robot", "setpoint"]
 
 
 def test_silence_is_named_with_its_length_in_the_strip_and_a_gap_that_lines_bridge_is_not():

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from recordings import PERIOD_US, Writer
+from recordings import COASTING, LOST, NO_FRAME, NO_TAG, PERIOD_US, STOP_REQUESTED, STOPPED, Writer
 
 from pilotfish.logs import read_run
 from pilotfish.logs.notes import Settings, SettingsFile
 from pilotfish.logs.settings_keys import differences, keys_of
 from pilotfish.logs.summary import TITLES, Summary, rms_jerk_mps3, shown, summarize
+from pilotfish.logs.unseen import never_measured
 
 PERIOD_S = PERIOD_US * 1e-6
 
@@ -114,6 +115,27 @@ def test_a_run_of_one_frame_without_a_leader_has_figures_all_the_same(tmp_path):
     assert all(shown(name, getattr(summary, name)) for name in TITLES)
 
 
+def test_zeros_for_want_of_a_picture_are_counted_each_stretch_once(tmp_path):
+    """Before the first picture nothing was followed; then 3 zeros in one gap, and 1 in another, 0.2 s and 0.1 s long. A
+    gap that was only coasted through, and a stop, are none."""
+    writer = Writer(tmp_path / "run.log")
+    writer.command(LOST, NO_FRAME, linear_mps=0.0)
+    for k in range(40):
+        writer.frame()
+        zeros = {10: 3, 20: 1}.get(k, 0)
+        if zeros or k == 30:
+            writer.command(COASTING, NO_FRAME)
+        for _ in range(zeros):
+            writer.wall_us += 50_000
+            writer.command(LOST, NO_FRAME, linear_mps=0.0)
+        writer.passes()
+    writer.command(STOPPED, STOP_REQUESTED, linear_mps=0.0)
+    summary = summarize(robot_of(writer))
+    assert summary.zeros_without_picture == 2
+    assert summary.followed_share == 1.0  # of the frames: these say nothing of it
+    assert shown("zeros_without_picture", summary.zeros_without_picture) == "2"
+
+
 def test_every_figure_has_a_title():
     assert set(TITLES) == set(Summary.__dataclass_fields__)
 
@@ -158,3 +180,16 @@ def test_lists_of_tables_are_compared_by_their_place():
 )
 def test_texts_that_are_no_settings_do_no_harm(text):
     assert len(keys_of(settings(text))) <= 20_001
+
+
+def test_a_run_without_a_measurement_names_the_cause_of_its_statuses(tmp_path):
+    writer = Writer(tmp_path / "run.log")
+    for k in range(10):
+        writer.frame(None, reason=NO_TAG if k else 22)
+        writer.passes()
+    assert never_measured(robot_of(writer)) == (
+        "the leader was never measured: no tag in the picture (9 of 10 frames); "
+        "the camera shows the same pixels again and again (1 of 10 frames)"
+    )
+    writer.frame(1.0)
+    assert never_measured(robot_of(writer)) == ""

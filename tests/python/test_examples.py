@@ -10,6 +10,7 @@ import time
 from contextlib import contextmanager
 
 import pytest
+from PIL import Image
 
 from build_tree import ROOT
 from pilotfish import bus, core, data
@@ -51,6 +52,15 @@ def test_what_is_wrong_is_said_in_a_line(tmp_path, pictures, name, arguments, sa
     assert done.returncode == 1
     assert done.stderr.startswith(f"{name}: ") and says.format(**places) in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_pictures_that_cannot_be_followed_are_answered_with_the_reason(tmp_path):
+    """The calibration is for 640 x 480."""
+    Image.new("L", (1280, 720), 128).save(tmp_path / "0.png")
+    words = command("follow_without_lcm", LINE, tmp_path)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=WITHIN_S, check=True)
+    why = "the frame's size is not the calibration's (1280 x 720, calibration 640 x 480)"
+    assert done.stdout.splitlines()[0].endswith(f"rad/s: {why}")
 
 
 @pytest.mark.parametrize(

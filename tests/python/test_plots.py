@@ -7,11 +7,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 from synthetic_run import exponential_run, synthetic_run
 
-from pilotfish import data, fuzzy
+from pilotfish import data, fuzzy, sim
 from pilotfish.plots.camera_gif import MAX_BYTES, WIDTH_PX, draw_camera_gif, draw_seen, draw_view, measured_texts
 from pilotfish.plots.comparison import draw_comparison
 from pilotfish.plots.distance_error import draw_distance_error
 from pilotfish.plots.fuzzy_sets import draw_fuzzy_sets
+from pilotfish.plots.obstacles import draw_among_obstacles
 from pilotfish.plots.overview import Summary, draw_overview
 from pilotfish.plots.paths import draw_paths
 from pilotfish.plots.style import LIGHT, save
@@ -50,6 +51,18 @@ def test_the_paths_are_drawn_to_scale(tmp_path):
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert {"leader (leads)", "robot1 (follows leader by sight)"} <= set(names)
     assert colours_of(save(figure, tmp_path / "paths.png")) > 20
+
+
+def test_among_obstacles_the_legend_names_whatever_is_in_the_picture():
+    """Two robots; one obstacle hides them and one does not, being lower than the line of sight at 0.25 m."""
+    robots = [exponential_run(), exponential_run(robot="robot2", leader="robot1")]
+    obstacles = [sim.Obstacle(x_m=1.0, y_m=1.0, radius_m=0.1, height_m=height_m) for height_m in (1.0, 0.1)]
+    figure = draw_among_obstacles(robots, iter(obstacles), "")
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {"obstacle", "low obstacle: hides nobody", "robot's outline, every 4 s"} < set(names)
+    assert [text.get_text() for text in figure.axes[0].texts] == ["robot1", "robot2"]
+    high = draw_among_obstacles(robots, obstacles[:1], "")
+    assert not any("low obstacle" in text.get_text() for text in high.legends[0].get_texts())  # there is none
 
 
 def test_in_a_chain_a_leader_that_is_itself_recorded_is_drawn_once():

@@ -113,6 +113,20 @@ def test_ctrl_c_keeps_the_best_so_far_and_says_where(tmp_path, monkeypatch, out)
         assert "nothing is written: there is no --out" in result.output
 
 
+@pytest.mark.parametrize("costs", [[5.0, 6.0, 7.0], [5.0]])
+def test_a_search_that_found_nothing_better_says_so(tmp_path, monkeypatch, costs):
+    pytest.importorskip("optuna")
+    monkeypatch.setattr(tuning, "PLAYED", {"line": (1.0, 0.5)})
+    left, count = iter(costs), len(costs)
+    monkeypatch.setattr(tuning.Trial, "__call__", lambda self, parameters: next(left))
+    file = tmp_path / "pid.yaml"
+    result = CliRunner().invoke(app, ["tune", "pid", "--trials", str(count), "--out", str(file)])
+    assert result.exit_code == 0
+    assert f"cost 5.000, with the values it began with: none of {count} was better" in result.output
+    assert "->" not in result.output and "the best" not in result.output
+    assert f"wrote {file}: none of {count} was better; the file has the values it began with" in result.output
+
+
 def test_ctrl_c_before_the_first_trial_has_ended_writes_nothing(tmp_path, monkeypatch):
     pytest.importorskip("optuna")
     monkeypatch.setattr(tuning, "searching", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))

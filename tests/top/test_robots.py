@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 from robot_messages import base, command, observation, received, status
@@ -189,3 +190,15 @@ def test_names_that_are_no_robots_are_counted_without_end_in_bounded_memory():
         robots.receive(parse(f"a {k}_STATUS", b"", 0.0))
     assert robots.by_name == {}
     assert robots.left_out() == "1000 or more other channels"
+
+
+def test_the_leader_is_named_as_on_the_page_of_view():
+    row = Row("robot1", "tracking", "", leader_index=0)
+    assert BY_NAME["leader"].text(row) == "first"
+    assert BY_NAME["leader"].text(replace(row, leader_index=2, leader_changes=3)) == "other 2 (3 changes)"
+    assert BY_NAME["leader"].text(replace(row, leader_index=None)) == "-"
+
+
+def test_the_reason_stands_before_what_a_narrow_terminal_may_cut_off():
+    names = [column.name for column in COLUMNS]
+    assert names.index("reason") < min(names.index(name) for name in ("rising", "leader", "wheels"))

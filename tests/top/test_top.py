@@ -315,7 +315,7 @@ def test_a_pipe_gets_every_column_whole_however_narrow_the_terminal(url):
         done = subprocess.run(words, capture_output=True, text=True, timeout=60, env=ENVIRONMENT | {"COLUMNS": "40"})
     head, line = done.stdout.splitlines()
     assert all(column.title in head for column in COLUMNS)
-    assert line.endswith("no tag in the picture")
+    assert "no tag in the picture" in line
 
 
 NO_NAMES = ("../..", "<b>", "a b", "A" * 33, "\x1b]0;owned\x07\x1b[31mred", "robot1", "")

@@ -85,6 +85,9 @@ def test_the_page_shows_a_cameras_tag_and_says_that_its_lens_is_assumed(tmp_path
         assert re.fullmatch(r"1\.00\d m", text(page, ".now[data-column=range_m]"))
         assert re.fullmatch(r"1\.00\d m", text(page, "#picture-note"))
         assert re.fullmatch(r"1\.00\d m away", text(page, "#why"))
+        # The noise's ± would be a promise about a distance that hangs on an assumption.
+        assert text(page, "#tiles > div:first-child small") == "if 60° wide"
+        assert "±" not in text(page, "#tiles")
         assert page.is_hidden("#stop")
         assert page.is_hidden("#law-card")
         assert server.post("/api/robots/camera/stop", {})[0] == 404
@@ -117,3 +120,18 @@ def test_a_calibration_is_used_instead_of_an_assumption(tmp_path):
 def test_a_picture_of_another_size_than_the_calibrations_is_said_with_both_sizes():
     seen = OneTag(SIZE_M).look(core.Frame(tag_picture(1.0), utime=1), assumed_camera(1280, 720, FOV_DEG))
     assert (seen["detected"], seen["text"]) == (False, "picture 640 x 480, calibration 1280 x 720")
+
+
+def test_a_calibration_of_another_size_is_the_headline_with_what_mends_it(tmp_path, browser):
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    Image.fromarray(tag_picture(1.0)[:360]).save(folder / "0.png")
+    calibration = data.path("calibrations/sim_640x480.yaml")
+    options = ["--camera", f"images:{folder}", "--tag-size", str(SIZE_M), "--camera-file", calibration]
+    with serving(tmp_path, *options) as server:
+        page = browser.open(server.address)
+        wait_for_text(page, "#headline", "The calibration is of another picture size")
+        assert text(page, "#why") == "picture 640 x 360, calibration 640 x 480"
+        said = text(page, "#lines")
+        assert "pilotfish calibrate camera PICTURES_OF_A_BOARD --board board.yaml --out camera.yaml" in said
+        assert "calibrated" not in said  # that it is calibrated would be the opposite

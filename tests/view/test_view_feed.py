@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from pilotfish import core, data
 from pilotfish.lcmtypes.bot_core import image_metadata_t
+from pilotfish.lcmtypes.pilotfish import command_t
 from pilotfish.view import messages, pictures, robot_feed
 from pilotfish.view.dead_reckoning import PlanarPose
 from pilotfish.view.robot_feed import RobotFeed
@@ -121,6 +122,17 @@ def test_a_preview_that_is_smaller_than_the_cameras_picture_says_how_much():
     for nonsense in (b"0", b"-2", b"1e3", b"", b"\xff", b"99999"):
         extra.value, extra.n = nonsense, len(nonsense)
         assert pictures.picture_of(message.encode()).source_width == 320
+
+
+def test_zeros_for_want_of_a_picture_are_counted_for_a_minute():
+    """Followed, 2 zeros, followed, 1 zero, and a stop: two gaps. The first is at 100.05 s."""
+    lost = command(status=command_t.STATUS_LOST, reason=int(core.Reason.no_frame), linear_mps=0.0)
+    stopped = command(status=command_t.STATUS_STOPPED, reason=int(core.Reason.stop_requested))
+    sent = [command(), lost, lost, command(), lost, stopped, lost]
+    feed, _ = feed_with(*(("COMMAND", one) for one in sent))
+    assert state_of(feed)["zeros_without_picture"] == 2
+    assert state_of(feed, 160.1)["zeros_without_picture"] == 1
+    assert state_of(feed, 170.0)["zeros_without_picture"] == 0
 
 
 def test_counters_that_take_turns_are_kept_until_the_session_ends():

@@ -85,6 +85,12 @@ def test_a_robot_that_coasts_says_for_how_long_it_has_seen_nothing():
     assert lines[0] == "last measured 66 ms ago; after 100 ms the robot stands still"
 
 
+def test_a_robot_that_was_stopped_has_no_second_reason_to_stand():
+    said = describe(status("stopped", "stop_requested"), seen(detected=False), last_seen_s=4.1)
+    assert "last measured 4.1 s ago" in said["lines"]
+    assert not any("stands still" in line for line in said["lines"])
+
+
 def test_of_many_counters_those_that_rise_fastest_are_said():
     risen = {"pose": 1, "tag_margin": 30, "tag_residual": 4, "frames_stale": 2, "unheard_of": 99}
     lines = describe(status("lost"), None, risen=risen)["lines"]
@@ -95,3 +101,12 @@ def test_of_many_counters_those_that_rise_fastest_are_said():
 def test_every_counter_that_has_words_is_one_of_the_operating_guides():
     documented = set(re.findall(r"`([a-z_]+)`", GUIDE.read_text(encoding="utf-8")))
     assert set(words.COUNTER_WORDS) - documented == set()
+
+
+def test_every_counter_of_the_wheels_that_has_words_is_one_of_the_operating_guides():
+    table = GUIDE.read_text().partition("| counter in `ROBOT1_BASE` | meaning |")[2].partition("\n\n")[0]
+    assert set(words.BASE_COUNTER_WORDS) == set(
+        re.findall(
+            r"`([a-z]\w+_\w+)`", "".join(line.split("|")[1] for line in table.splitlines() if line.count("|") > 2)
+        )
+    )

@@ -71,6 +71,26 @@ def files_in(path: Path, robot: str | None = None) -> list[Path]:
     return [file for _, _, file in sorted(own)]
 
 
+def program_start_utime(file: Path) -> int | None:
+    """When the program started that wrote this file of a ring [us of the wall clock]; None: the name does not say."""
+    match = _SEGMENT.fullmatch(file.name)
+    return int(match["start"]) if match else None
+
+
+def earlier_files(file: Path) -> list[Path]:
+    """Files of the same ring and start that come before this one and are still there, oldest first."""
+    match = _SEGMENT.fullmatch(file.name)
+    if match is None:
+        return []
+    found = ((_SEGMENT.fullmatch(other.name), other) for other in file.parent.iterdir())
+    same = [
+        (int(own["number"]), other)
+        for own, other in found
+        if own and (own["robot"], own["start"]) == (match["robot"], match["start"])
+    ]
+    return [other for number, other in sorted(same) if number < int(match["number"])]
+
+
 def robots_in(folder: Path) -> list[str]:
     """The robots whose rings are in a folder, by name."""
     return sorted({match["robot"] for path in folder.iterdir() if (match := _SEGMENT.fullmatch(path.name))})

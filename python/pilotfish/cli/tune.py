@@ -46,18 +46,24 @@ def tune(
             done = tuned.trials if tuned else 0
             warn(f"stopped after {done} of {trials} trials{'' if done else '; nothing is written'}")
             if tuned:
-                _print(tuned, target, best_of=f"the best of {done}")
+                _print(tuned, target, of=f" of {done}")
             raise
         assert tuned is not None, "one trial at least"
         _print(tuned, target)
 
 
-def _print(tuned: Tuned, target: Output | None, best_of: str = "") -> None:
-    console.print(f"cost {tuned.cost_before:.3f} -> {tuned.cost:.3f}")
+def _print(tuned: Tuned, target: Output | None, of: str = "") -> None:
+    """``of``: " of 25", of a search that was stopped."""
+    better = tuned.cost < tuned.cost_before
+    none = f"none of {tuned.trials} was better; the file has the values it began with"
+    if better:
+        console.print(f"cost {tuned.cost_before:.3f} -> {tuned.cost:.3f}")
+    else:
+        console.print(f"cost {tuned.cost_before:.3f}, with the values it began with: none of {tuned.trials} was better")
     for key, value in sorted(tuned.parameters.items()):
         console.print(f"  {key}: {value:.6g}")
     if target:
         tuned.write(target.file)
-        target.wrote(best_of)
-    elif best_of:
+        target.wrote((f"the best{of}" if of else "") if better else none)
+    elif of:
         tell("nothing is written: there is no --out")

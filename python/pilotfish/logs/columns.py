@@ -164,7 +164,7 @@ ODOMETRY = (
 EVENTS = (
     _T_S,
     _LOGGED,
-    Column("kind", "text", "", "start, status, setpoint, stop, resume, gap, damage, counter or configuration"),
+    Column("kind", "text", "", "start, begin, status, setpoint, stop, resume, gap, damage, counter or configuration"),
     Column("text", "text", "", "what happened, in words"),
 )
 TABLES: dict[str, tuple[Column, ...]] = {

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from pathlib import Path
 from typing import Any
 
 from pilotfish.lcmtypes.pilotfish import step_t
+from pilotfish.logs.beginning import late_text
 from pilotfish.logs.clock import RunClock
 from pilotfish.logs.columns import COMMANDS, FRAMES, NONE
 from pilotfish.logs.frame_rows import FrameRows
@@ -16,6 +18,8 @@ from pilotfish.logs.notes import RobotNotes, Stage, settings_of
 Row = tuple[str, dict[str, Any]]  # table, values by column
 GAP_S = 1.0  # longer without a frame is an event
 _COMMANDS_KEPT = 64
+_STATUSES_AWAITED = 5  # a coordinator sends a command with every status; a recording may have none
+_FIRST_COMMANDS = 20  # a recorder that is ready a second after the program has missed no approach
 _WORDS = {column.name: column for column in (*FRAMES, *COMMANDS) if column.words}
 
 
@@ -30,9 +34,13 @@ class RobotSift:
         self._status: tuple[int, int] | None = None
         self._setpoint: tuple[float, float, bool] | None = None
         self._session = 0
+        self._began: tuple[int, int] | None = None  # session and when it was first heard, until its beginning is known
+        self._statuses_before = 0  # the first command of this session
+        self._file = Path()
         self._counted: dict[str, int] = {}  # of this session
         self._staged: dict[str, Stage] = {}
         self._settled: tuple[dict[str, int], dict[str, Stage]] = ({}, {})  # of all sessions before
+        self._late = False  # this session was running before the recording began
         self._next_call = NONE
         self._box_losses = 0
         self._sent: OrderedDict[tuple[int, int], None] = OrderedDict()
@@ -41,6 +49,7 @@ class RobotSift:
 
     def take(self, message: Message) -> list[Row]:
         """The rows that this message completes."""
+        self._file = message.event.file
         handler = getattr(self, f"on_{message.kind.lower()}", None)
         if handler is not None:
             handler(message.event.utime, message.content)
@@ -79,6 +88,7 @@ class RobotSift:
         """A place to replay from: who, with what settings, what was lost."""
         self._notes.name = message.robot
         self._session_now(log_utime, message.session)
+        self._begins(before=message.sequence, of="calls of the core")
         if self._next_call not in (NONE, message.sequence):
             self._event(log_utime, "gap", f"{message.sequence - self._next_call} calls are missing")
         self._next_call = message.sequence
@@ -99,7 +109,7 @@ class RobotSift:
         if message.kind == step_t.KIND_FRAME:
             self._frames.step(log_utime, message)
         elif message.kind == step_t.KIND_SETPOINT and message.taken:
-            self._setpoint_now(log_utime, message.distance_m, message.bearing_rad, bool(message.run))
+            self._setpoint_now(log_utime, message.distance_m, message.bearing_rad, bool(message.run), asked=True)
         elif message.kind == step_t.KIND_OWN_MOTION:
             self._rows.append(("odometry", {"t_s": self._clock.at(log_utime)} | twist))
         elif message.kind == step_t.KIND_LEADER_INTENT:
@@ -164,6 +174,7 @@ class RobotSift:
         while len(self._sent) > _COMMANDS_KEPT:
             self._sent.popitem(last=False)
         self._session_now(log_utime, message.session)
+        self._begins(before=message.counter - 1 if message.counter > _FIRST_COMMANDS else 0, of="commands")
         missing = message.counter - self._last_counter - 1
         if self._last_counter and missing > 0:
             self._event(log_utime, "gap", f"{missing} commands are missing in the recording")
@@ -176,12 +187,21 @@ class RobotSift:
             status, reason = _WORDS["status"].word(message.status), _WORDS["reason"].word(message.reason)
             self._event(log_utime, "status", status if message.reason == 0 else f"{status}: {reason}")
 
-    def _setpoint_now(self, log_utime: int, distance_m: float, bearing_rad: float, run: bool) -> None:
+    def _setpoint_now(
+        self, log_utime: int, distance_m: float, bearing_rad: float, run: bool, *, asked: bool = False
+    ) -> None:
+        if self._began is not None:  # a status comes before the first command: has it begun here, or long ago?
+            self._statuses_before += 1
+            if self._statuses_before <= _STATUSES_AWAITED:
+                return
         before, self._setpoint = self._setpoint, (distance_m, bearing_rad, run)
         where = f"{distance_m:g} m at {math.degrees(bearing_rad):.6g}°"
-        if before is None or before[:2] != (distance_m, bearing_rad):
+        self._begins(before=0, of="")  # neither a command nor a black box has said more
+        if before is None and self._late and not asked:
+            self._event(log_utime, "begin", f"{'keeps' if run else 'stopped; would keep'} {where}, as before")
+        elif before is None or before[:2] != (distance_m, bearing_rad):
             self._event(log_utime, "setpoint", where)
-        if before is None and not run:
+        if before is None and not run and not self._late:
             self._event(log_utime, "stop", "stopped from the start")
         elif before is not None and before[2] != run:
             self._event(log_utime, "resume" if run else "stop", where)
@@ -193,7 +213,19 @@ class RobotSift:
         self._counted, self._staged = {}, {}
         self._session, self._last_counter, self._next_call, self._box_losses = session, 0, NONE, 0
         self._notes.sessions.append(session)
-        self._event(log_utime, "start", f"session {session} of the coordinator")
+        self._began, self._statuses_before = (session, log_utime), 0
+
+    def _begins(self, *, before: int, of: str) -> None:
+        """Whether the session that was just heard of started here: ``before`` calls or commands of it are not in the
+        recording."""
+        if self._began is None:
+            return
+        (session, log_utime), self._began = self._began, None
+        self._late = before > 0
+        if not self._late:
+            self._event(log_utime, "start", f"session {session} of the coordinator")
+            return
+        self._event(log_utime, "begin", late_text(self._file, log_utime, f"{before} {of} of session {session}"))
 
     def _sum_up(self) -> None:
         self._notes.counters, self._notes.stages = self._counter_sums(), self._stage_sums()

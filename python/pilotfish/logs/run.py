@@ -39,7 +39,8 @@ class Table:
 
 @dataclass(frozen=True)
 class RunEvent:
-    """Something that happened; ``kind``: start, status, setpoint, stop, resume, gap, damage, counter, configuration."""
+    """Something that happened; ``kind``: start, begin (of a recording, in the middle of a run), status, setpoint, stop,
+    resume, gap, damage, counter, configuration."""
 
     t_s: float
     kind: str

@@ -12,9 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pilotfish.logs.run import RobotRun
+from pilotfish.logs.beginning import approach_is_missing
+from pilotfish.logs.run import RobotRun, Table
 from pilotfish.metrics import settling_time_s, steady_window
 from pilotfish.recording import wrap_angle
+from pilotfish.zero_commands import FOLLOWING, NO_PICTURE
 
 _REGULAR = 1.5  # times the median period: frames further apart are not neighbours
 
@@ -43,6 +45,7 @@ class Summary:
     processing_p50_ms: float
     processing_p99_ms: float
     missed_deadlines: int
+    zeros_without_picture: float  # times that zero was commanded for want of a picture; NaN: no commands recorded
 
 
 TITLES = {
@@ -66,6 +69,7 @@ TITLES = {
     "processing_p50_ms": ("processing: median", "ms", 2),
     "processing_p99_ms": ("processing: 99th percentile", "ms", 2),
     "missed_deadlines": ("missed deadlines", "", 0),
+    "zeros_without_picture": ("commanded zero for want of a picture, while following", "times", 0),
 }
 
 
@@ -77,7 +81,8 @@ def summarize(run: RobotRun) -> Summary:
     bearing_rad = wrap_angle(frames["bearing_rad"] - frames["setpoint_bearing_rad"])
     last, steady = _last_stretch(run)
     distance_mm, bearing_rad = 1e3 * frames["error_m"][steady], bearing_rad[steady]
-    settled_s = settling_time_s(time_s[last], frames["error_m"][last]) if last.size else None
+    approach = last[:0] if approach_is_missing(run) else last
+    settled_s = settling_time_s(time_s[approach], frames["error_m"][approach]) if approach.size else None
     latency_ms, duration_s = 1e3 * frames["latency_s"], float(time_s[-1] - time_s[0])
     return Summary(
         duration_s=duration_s,
@@ -90,7 +95,7 @@ def summarize(run: RobotRun) -> Summary:
         rms_bearing_error_deg=float(np.degrees(_rms(bearing_rad))),
         p95_bearing_error_deg=float(np.degrees(_percentile(np.abs(bearing_rad), 95))),
         steady_distance_error_mm=float(distance_mm.mean()) if distance_mm.size else np.nan,
-        approach_from_mm=1e3 * float(frames["error_m"][last[0]]) if last.size else np.nan,
+        approach_from_mm=1e3 * float(frames["error_m"][approach[0]]) if approach.size else np.nan,
         settling_s=np.nan if settled_s is None else settled_s,
         rms_whole_distance_error_mm=_rms(1e3 * frames["error_m"][following]),
         rms_jerk_mps3=rms_jerk_mps3(time_s, frames["command_linear_mps"]),
@@ -100,7 +105,19 @@ def summarize(run: RobotRun) -> Summary:
         processing_p50_ms=_percentile(frames["processing_ms"], 50),
         processing_p99_ms=_percentile(frames["processing_ms"], 99),
         missed_deadlines=_sum_over_sessions(frames["missed_deadlines"], frames["session"]),
+        zeros_without_picture=zeros_without_picture(run.commands),
     )
+
+
+def zeros_without_picture(commands: Table) -> float:
+    """How often a robot that followed was told to stand still because no picture came in time: stretches of such
+    commands, each counted once. Frames know nothing of them: they are sent where there is none."""
+    if not len(commands):
+        return np.nan
+    waits = np.isin(commands.words("reason"), NO_PICTURE) & ~np.isin(commands.words("status"), FOLLOWING)
+    followed = np.isin(commands.words("status"), FOLLOWING)
+    same_start = commands["session"][1:] == commands["session"][:-1]
+    return float(np.count_nonzero(waits[1:] & followed[:-1] & same_start))
 
 
 def shown(name: str, value: float) -> str:

@@ -21,7 +21,15 @@ TICK_EVERY_S = 2.0
 _ARROWHEAD = Path([(1.0, 0.0), (-0.6, 0.55), (-0.3, 0.0), (-0.6, -0.55), (1.0, 0.0)])  # heading 0
 _ARROWHEAD_PT = 5.5
 _LEADER_WIDTH_PT, _FOLLOWER_WIDTH_PT = 1.2, 2.0
-_CHAIN_DASHES = ("-", (0.0, (6.0, 1.5)), (0.0, (3.0, 1.5)), (0.0, (6.0, 1.5, 1.5, 1.5)), (0.0, (1.5, 1.5)))
+# Solid, dashed, dotted, and one dash with two dots: no two of the first four are alike at a glance.
+_CHAIN_DASHES = (
+    "-",
+    (0.0, (4.0, 2.0)),
+    (0.0, (1.2, 1.2)),
+    (0.0, (8.0, 1.5, 1.2, 1.5, 1.2, 1.5)),
+    (0.0, (9.0, 4.0)),
+)
+LEGEND_LINE = 3.4  # of the letters' height: a shorter one does not show the whole pattern
 
 Pose = tuple[FloatArray, FloatArray, FloatArray]  # x_m, y_m, heading_rad, each of shape (N,)
 
@@ -33,7 +41,8 @@ def draw_paths(recordings: Sequence[Recording], title: str, theme: Theme = LIGHT
         axes = figure.subplots()
         draw_paths_on(axes, recordings, theme)
         axes.set_title(title)
-        figure.legend(handles=path_handles(recordings, theme), loc="outside lower center", ncols=3, fontsize=9)
+        handles = path_handles(recordings, theme)
+        figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=9, handlelength=LEGEND_LINE)
     return figure
 
 

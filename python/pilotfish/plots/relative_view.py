@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pilotfish.logs.run import RobotRun
+from pilotfish.logs.unseen import never_measured
 from pilotfish.plots.run_lines import run_lines
 from pilotfish.plots.run_overview import Runs
 from pilotfish.plots.style import LIGHT, Theme, style
 from pilotfish.recording import FloatArray
 
 _ARROW_M = 0.12
+_LINE_LETTERS = 56
 
 
 def draw_relative_view(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figure:
@@ -23,8 +27,13 @@ def draw_relative_view(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Fig
         axes.plot(0, 0, marker=(3, 0, 0), markersize=14, color=theme.ink, linestyle="none", label="the robot")
         for (name, run), line in zip(runs.items(), run_lines(runs, theme).values(), strict=True):
             _draw_leader(axes, run, line, f"the leader, {name}" if len(runs) > 1 else "the leader")
-        axes.plot([], [], "o", color=theme.ink, markerfacecolor="none", label="start")
-        axes.plot([], [], "s", color=theme.ink, label="end, and its heading")
+        unseen = [text for run in runs.values() if (text := never_measured(run))]
+        if len(unseen) < len(runs):
+            axes.plot([], [], "o", color=theme.ink, markerfacecolor="none", label="start")
+            axes.plot([], [], "s", color=theme.ink, label="end, and its heading")
+        else:
+            words = "\n".join("\n".join(wrap(text, _LINE_LETTERS)) for text in dict.fromkeys(unseen))
+            axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", fontsize=10)
         axes.plot([], [], "+", color=theme.ink, markersize=10, label="setpoint")
         axes.set_xlabel("to the right [m]")
         axes.set_ylabel("forward [m]")
@@ -39,8 +48,9 @@ def _draw_leader(axes: Axes, run: RobotRun, line: dict[str, object], label: str)
     frames, colour = run.frames, str(line["color"])
     right_m, forward_m = _from_above(frames["distance_m"], frames["bearing_rad"])
     step = max(1, len(right_m) // 5000)
-    axes.plot(right_m[::step], forward_m[::step], **line, label=label)
     seen = np.flatnonzero(np.isfinite(right_m))
+    if seen.size:
+        axes.plot(right_m[::step], forward_m[::step], **line, label=label)
     setpoints = np.unique(np.stack([frames["setpoint_distance_m"], frames["setpoint_bearing_rad"]], 1), axis=0)
     setpoints = setpoints[np.isfinite(setpoints).all(axis=1)]
     axes.plot(*_from_above(*setpoints.T), "+", color=colour, markersize=12, markeredgewidth=2)

@@ -3,7 +3,8 @@ doing. Several runs in the same axes, from their beginnings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from pilotfish.logs.run import RobotRun, Table
+from pilotfish.logs.unseen import never_measured
 from pilotfish.plots.run_lines import run_lines
 from pilotfish.plots.status_band import draw_status_band, silence_style, silences, status_stretches
 from pilotfish.plots.status_colours import STATUS_COLOURS
@@ -20,15 +22,36 @@ from pilotfish.plots.traces import MIN_SHOWN_MM, RMS_WINDOW_S, logarithmic_mm, r
 from pilotfish.recording import FloatArray, wrap_angle
 
 Runs = Mapping[str, RobotRun]  # by what the legend says
+_LINE_LETTERS = 80
 _SEEN_S = 1e-3  # a status that ends within so much of the first frame is one from before it
-_PANELS: tuple[tuple[str, Callable[[Table], FloatArray]], ...] = (
-    ("distance error\ne = $d_p$ - d [mm]", lambda frames: 1e3 * frames["error_m"]),
-    (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda frames: rms_error_mm(frames)),
-    ("bearing error\nθ - $θ_{pd}$ [°]", lambda frames: np.degrees(bearing_error_rad(frames))),
-    ("command:\nspeed [m/s]", lambda frames: frames["command_linear_mps"]),
-    ("command:\nturn rate [°/s]", lambda frames: np.degrees(frames["command_angular_radps"])),
-    ("latency [ms]", lambda frames: 1e3 * frames["latency_s"]),
+Curve = tuple[FloatArray, FloatArray]  # time since the recording began [s], values; shapes (N,)
+_PANELS: tuple[tuple[str, Callable[[RobotRun], Curve]], ...] = (
+    ("distance error\ne = $d_p$ - d [mm]", lambda run: _of_frames(run, 1e3 * run.frames["error_m"])),
+    (f"RMS of e [mm]\nwithin {RMS_WINDOW_S:g} s", lambda run: _of_frames(run, rms_error_mm(run.frames))),
+    ("bearing error\nθ - $θ_{pd}$ [°]", lambda run: _of_frames(run, np.degrees(bearing_error_rad(run.frames)))),
+    ("command:\nspeed [m/s]", lambda run: sent_speed_mps(run)),
+    ("command:\nturn rate [°/s]", lambda run: sent_turn_rate_degps(run)),
+    ("latency [ms]", lambda run: _of_frames(run, 1e3 * run.frames["latency_s"])),
 )
+
+
+def sent_speed_mps(run: RobotRun) -> Curve:
+    """Every command that was sent: also the zeros between two frames, of which the frames know nothing. The frames'
+    commands where a recording has no others."""
+    if not len(run.commands):
+        return _of_frames(run, run.frames["command_linear_mps"])
+    return run.commands["t_s"], run.commands["linear_mps"]
+
+
+def sent_turn_rate_degps(run: RobotRun) -> Curve:
+    """The same of the turn rate [deg/s]."""
+    if not len(run.commands):
+        return _of_frames(run, np.degrees(run.frames["command_angular_radps"]))
+    return run.commands["t_s"], np.degrees(run.commands["angular_radps"])
+
+
+def _of_frames(run: RobotRun, values: FloatArray) -> Curve:
+    return run.frames["t_s"], values
 
 
 def bearing_error_rad(frames: Table) -> FloatArray:
@@ -58,12 +81,16 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
             if "RMS" not in label:
                 axes.axhline(0.0, color=theme.ink, linewidth=0.6, alpha=0.6)
             for name, run in runs.items():
-                curve = thinned(_times(run, runs), values(run.frames))
-                (line,) = axes.plot(*curve, **lines[name], label=name)
+                time_s, shown = values(run)
+                curve = thinned(time_s - _origin_s(run, runs), shown)
+                # A command is held until the next one.
+                held = "steps-post" if label.startswith("command") else "default"
+                (line,) = axes.plot(*curve, **lines[name], label=name, drawstyle=held)
                 dots = alone(*curve)
                 if len(dots[0]):
                     axes.plot(*dots, ".", markersize=3.0, color=line.get_color())
             axes.set_ylabel(label)
+        _say_what_is_not_there(panels, runs)
         panels[1].set_ylim(*_limits_mm([rms_error_mm(run.frames) for run in runs.values()]))
         logarithmic_mm(panels[1])
         panels[-1].set_ylim(bottom=0.0)
@@ -79,6 +106,21 @@ def draw_run_overview(runs: Runs, title: str = "", theme: Theme = LIGHT) -> Figu
         if title:
             band.set_title(title)
     return figure
+
+
+def _say_what_is_not_there(panels: Sequence[Axes], runs: Runs) -> None:
+    """An axis without a curve has numbers that mean nothing: words stand there instead, with the cause in the first."""
+    unseen = [text for run in runs.values() if (text := never_measured(run))]
+    why = "\n".join("\n".join(wrap(text, _LINE_LETTERS)) for text in dict.fromkeys(unseen))
+    for number, (axes, (_, values)) in enumerate(zip(panels, _PANELS, strict=True)):
+        if any(np.isfinite(values(run)[1]).any() for run in runs.values()):
+            continue
+        axes.tick_params(axis="y", which="both", left=False, labelleft=False)
+        axes.grid(visible=False)
+        for line in axes.get_lines():  # the zero, which would run through the words
+            line.set_visible(False)
+        words = why if number == 0 and why else "never measured"
+        axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", fontsize=10)
 
 
 def _limits_mm(curves: list[FloatArray]) -> tuple[float, float]:

@@ -90,6 +90,7 @@ class CameraFeed(Feed):
         self._picture: tuple[Picture, float] | None = None
         self._arrived_s: float | None = None
         self._problem = ""
+        self._frame_size: tuple[int, int] | None = None
         self._period_s: float | None = None
         self._counts: Counter[str] = Counter()
         self._stop, self._wanted = threading.Event(), threading.Event()
@@ -139,6 +140,7 @@ class CameraFeed(Feed):
             "ages_s": {} if age_s is None else {"observation": age_s, "picture": age_s},
             "observation": self._seen,
             "words": self._words(),
+            "assumed_fov_deg": None if self._source.camera else self._source.fov_deg,
             "frame_rate_hz": None if not self._period_s else 1.0 / self._period_s,
             "rejected": dict(self._counts),
             "samples": rows,
@@ -161,11 +163,27 @@ class CameraFeed(Feed):
         if camera is not None:
             lens = "calibrated" if self._source.camera else f"not calibrated: {self._source.fov_deg:g}° wide is assumed"
             lines.append(f"picture {camera.width} x {camera.height}, {lens}")
+        if self._seen["reason"] == "frame_size_not_calibrated" and camera is not None:
+            return self._words_of_another_size(self._seen["text"], camera)
         if not self._seen["detected"]:
             return {"headline": "No tag", "tone": "wait", "why": self._seen["text"], "lines": lines}
         tag = self._seen["tags"][0]["id"]
         lines.append(f"reprojection error {self._seen['reprojection_error_px']:.2f} px")
         return {"headline": f"Tag {tag}", "tone": "good", "why": f"{self._seen['range_m']:.3f} m away", "lines": lines}
+
+    def _words_of_another_size(self, sizes: str, calibration: core.CameraModel) -> dict[str, Any]:
+        """Nothing is measured: what mends it."""
+        recorded, size = self._source.name.startswith(("images:", "video:")), ""
+        if not recorded and self._frame_size is not None:
+            size = " --size {}x{}".format(*self._frame_size)
+        source = "PICTURES_OF_A_BOARD" if recorded else f"camera:{self._source.name.removeprefix('camera:')}"
+        lines = [
+            "nothing is measured: a calibration holds for its own picture size alone. One of this size is made by",
+            f"pilotfish calibrate camera {source}{size} --board board.yaml --out camera.yaml",
+            f"or take pictures of {calibration.width} x {calibration.height}; without --camera-file, a lens is assumed",
+        ]
+        headline = "The calibration is of another picture size"
+        return {"headline": headline, "tone": "bad", "why": sizes, "lines": lines}
 
     def _run(self, loop: asyncio.AbstractEventLoop) -> None:
         """The thread."""
@@ -200,7 +218,10 @@ class CameraFeed(Feed):
                 self._stop.wait(max(0.0, started_s + (frame.utime - first_us) * 1e-6 - time.monotonic()))
             now_s = time.monotonic()
             camera = self._camera_of(frame)
+            self._frame_size = frame.width, frame.height
             seen = tag.look(frame, camera)
+            if self._source.camera is None:
+                seen["sigma"] = None  # the noise's share, beside which an assumed lens may be 20 % off
             overlay = self._overlay_of(seen, camera)
             picture = None
             if encoded_s is None or now_s - encoded_s >= _ENCODE_EVERY_S:

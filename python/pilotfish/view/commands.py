@@ -14,9 +14,11 @@ from typing import Any
 from pilotfish.bus import Bus, BusError
 from pilotfish.errors import PilotfishError
 from pilotfish.operating import WITHIN_S, Operator, describe
+from pilotfish.view.limits import SetpointLimits
 
 ACTIONS = ("stop", "resume", "setpoint")
 _STOPS, _OTHERS = 8, 4  # at once; each has a connection to the bus
+_ANY = SetpointLimits()
 MOST_REQUESTS = _STOPS + _OTHERS
 
 
@@ -28,6 +30,7 @@ class Outcome:
     confirmed: bool
     text: str
     sent: int  # messages
+    run: bool | None = None  # whether the robot that confirmed it runs
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -53,7 +56,7 @@ class Commander:
         for executor in (self._stops, self._others):
             executor.shutdown(wait=False)
 
-    async def do(self, robot: str, action: str, values: Mapping[str, Any]) -> Outcome:
+    async def do(self, robot: str, action: str, values: Mapping[str, Any], limits: SetpointLimits = _ANY) -> Outcome:
         """One of ACTIONS. Never raises for what a robot or a page does wrong: the outcome says so."""
         loop = asyncio.get_running_loop()
         if action == "stop":
@@ -68,6 +71,8 @@ class Commander:
             return Outcome(action, False, str(error), 0)
         if action == "setpoint" and distance_m is None and bearing_rad is None:
             return Outcome(action, False, "nothing to change: distance_m, bearing_rad or both", 0)
+        if action == "setpoint" and (refused := limits.refusal(distance_m, bearing_rad)):
+            return Outcome(action, False, refused, 0)
         if robot in self._busy:
             return Outcome(action, False, "another request is still being sent; try again when it is confirmed", 0)
         self._busy.add(robot)
@@ -121,7 +126,7 @@ def _outcome(action: str, operator: Operator, request: Any) -> Outcome:
         status = request()
     except PilotfishError as error:
         return Outcome(action, False, str(error), operator.sent)
-    return Outcome(action, True, describe(status), operator.sent)
+    return Outcome(action, True, describe(status), operator.sent, run=bool(status.setpoint.run))
 
 
 def _number(values: Mapping[str, Any], name: str) -> float | None:

@@ -25,6 +25,10 @@ class Hub:
         """In alphabetical order."""
         return sorted(self.feeds)
 
+    def others(self) -> list[str]:
+        """Robots that were heard of and that this server does not watch, in alphabetical order."""
+        return []
+
     def find(self, name: str) -> Feed | None:
         """That one; the first one if it is not named."""
         if name:
@@ -47,12 +51,17 @@ class BusHub(Hub):
         self._setup, self._setups, self._discovers = setup, setups or {}, not robot
         super().__init__([RobotFeed(robot, self._setup_of(robot))] if robot else [])
         self._by_channel: dict[str, RobotFeed] = {}
+        self._others: set[str] = set()
         self._listener = Listener(url, self._wanted, self._on_message)
 
     @property
     def refused(self) -> dict[str, int]:
         """Datagrams that were no message, by kind."""
         return dict(self._listener.reassembly.refused)
+
+    def others(self) -> list[str]:
+        """As Hub's."""
+        return sorted(self._others)
 
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
         """As Hub's."""
@@ -85,6 +94,8 @@ class BusHub(Hub):
         feed = next((feed for own, feed in self.feeds.items() if own.lower() == name), None)
         if feed is None and self._discovers and kind in ("STATUS", "COMMAND") and len(self.feeds) < MAX_ROBOTS:
             feed = self.feeds[name] = RobotFeed(name, self._setup_of(name))
+        if feed is None and kind == "STATUS" and len(self._others) < MAX_ROBOTS:
+            self._others.add(name)
         if isinstance(feed, RobotFeed):
             self._by_channel[channel] = feed
             return feed, kind

@@ -9,10 +9,12 @@ from typing import Any
 from pilotfish.view import words
 from pilotfish.view.dead_reckoning import PlanarPose
 from pilotfish.view.feed import Feed, OnNews
+from pilotfish.view.limits import limits_of
 from pilotfish.view.messages import MAX_MESSAGE_BYTES, MalformedError, Values, decode
 from pilotfish.view.pictures import Picture, picture_of
 from pilotfish.view.samples import SPAN_S, Samples
 from pilotfish.view.setup import Setup, axes_px
+from pilotfish.zero_commands import FOLLOWING, NO_PICTURE
 
 KINDS = ("STATUS", "OBSERVATION", "COMMAND", "BASE")
 PICTURE_KINDS = ("PREVIEW", "IMAGE")
@@ -44,6 +46,8 @@ class RobotFeed(Feed):
         self._rejected: dict[str, int] = {}
         self._rejected_before: deque[tuple[float, dict[str, int]]] = deque()
         self._last_seen_s: float | None = None
+        self._followed = False  # the last command was one of a robot that followed
+        self._zeros_s: deque[float] = deque()  # when zero was commanded for want of a picture, while following
         self._overlays: OrderedDict[int, Values] = OrderedDict()
         self._picture_bytes: tuple[float, bytes] | None = None
         self._picture: tuple[Picture, float] | None = None
@@ -87,11 +91,14 @@ class RobotFeed(Feed):
 
     def hello(self) -> dict[str, Any]:
         """As Feed's."""
+        limits = limits_of(self.setup)
         return {
             "mode": self.mode,
             "robot": self.name,
             "configured": self.setup.configured,
             "counter_words": words.COUNTER_WORDS,
+            "base_counter_words": words.BASE_COUNTER_WORDS,
+            "limits": {"distance_m": limits.distance_m, "bearing_deg": limits.bearing_deg},
         }
 
     def state(self, samples_from: int, now_s: float) -> tuple[dict[str, Any], int]:
@@ -108,6 +115,7 @@ class RobotFeed(Feed):
             "base_words": words.describe_base(base) if base else None,
             "words": None if status is None else self._words(status, now_s),
             "rejected": self._rejected,
+            "zeros_without_picture": self._zeros_in_the_last_minute(now_s),
             "malformed": dict(self.malformed),
             "samples": rows,
         }
@@ -200,6 +208,9 @@ class RobotFeed(Feed):
             self._last_seen_s = arrival_s
 
     def _on_command(self, values: Values, arrival_s: float) -> None:
+        if self._followed and values["reason"] in NO_PICTURE and values["status"] not in FOLLOWING:
+            self._zeros_s.append(arrival_s)
+        self._followed = values["status"] in FOLLOWING
         if self._moved_s is not None:
             self._pose = self._pose.moved(*self._twist, arrival_s - self._moved_s)
         self._moved_s = arrival_s
@@ -213,6 +224,11 @@ class RobotFeed(Feed):
         self._twist = (twist[0] or 0.0, twist[1] or 0.0)
         if self._samples.due(arrival_s):
             self._samples.add(arrival_s, self._sample(values, arrival_s))
+
+    def _zeros_in_the_last_minute(self, now_s: float) -> int:
+        while self._zeros_s and now_s - self._zeros_s[0] > SPAN_S:
+            self._zeros_s.popleft()
+        return len(self._zeros_s)
 
     def _sample(self, command: Values, arrival_s: float) -> list[float | None]:
         status, seen = self._latest.get("STATUS"), self._latest.get("OBSERVATION")

@@ -15,6 +15,8 @@ from pilotfish.extras import require
 from pilotfish.view.access import COOKIE, TOKEN_HEADER, Access, AccessLayer, query_token
 from pilotfish.view.commands import ACTIONS, Commander
 from pilotfish.view.hub import Hub
+from pilotfish.view.limits import SetpointLimits, limits_of
+from pilotfish.view.robot_feed import RobotFeed
 from pilotfish.view.setup import Setup, law_of
 from pilotfish.view.watcher import Watcher
 
@@ -73,12 +75,16 @@ class Pages:
             response = self._responses.RedirectResponse("/", status_code=303)
             response.set_cookie(COOKIE, token, httponly=True, samesite="lax", max_age=7 * 86400)
             return response
-        page = self._template.replace("{{token}}", html.escape(token)).replace("{{server}}", self._instance)
+        feed = self._hub.find(request.query_params.get("robot", ""))
+        named = {"token": token, "server": self._instance, "robot": "NAME" if feed is None else feed.name}
+        page = self._template
+        for name, value in named.items():
+            page = page.replace("{{" + name + "}}", html.escape(value))
         return self._responses.HTMLResponse(page)
 
     async def robots(self, _: Any) -> Any:
-        """Whom one can watch."""
-        return self._responses.JSONResponse({"robots": self._hub.names()})
+        """Whom one can watch, and who else was heard of."""
+        return self._responses.JSONResponse({"robots": self._hub.names(), "heard": self._hub.others()})
 
     async def law(self, _: Any) -> Any:
         """Rule table and surface."""
@@ -90,7 +96,8 @@ class Pages:
         if not self._access.token_is_right(request.headers.get(TOKEN_HEADER)):
             return answer({"confirmed": False, "text": "this page is of another server: reload it"}, 403)
         robot, action = request.path_params["robot"], request.path_params["action"]
-        if self._commander is None or self._hub.find(robot) is None or action not in ACTIONS:
+        feed = self._hub.find(robot)
+        if self._commander is None or feed is None or action not in ACTIONS:
             return answer({"confirmed": False, "text": f"there is no {action} of {robot} here"}, 404)
         values: Any = {}
         if action != "stop":  # a stop is obeyed whatever comes with it
@@ -105,7 +112,8 @@ class Pages:
                 values = None
             if not isinstance(values, dict):
                 return answer({"confirmed": False, "text": "the request is no JSON object"}, 400)
-        outcome = await self._commander.do(robot, action, values)
+        limits = limits_of(feed.setup) if isinstance(feed, RobotFeed) else SetpointLimits()
+        outcome = await self._commander.do(robot, action, values, limits)
         return answer(outcome.as_dict(), 200 if outcome.confirmed else 409)
 
     async def watch(self, websocket: Any) -> None:

@@ -45,6 +45,45 @@ COUNTER_WORDS = {
     "setpoint_mac_wrong": "setpoints without the right key",
     "rival_commands": "commands of another coordinator",
     "image_size_unexpected": "images that are not of the calibration's size",
+    "ego_motion_unusable": "odometry that does not fit the pictures' time or is too old",
+    "leader_intent_unusable": "leader intents that do not fit the pictures' time or are too old",
+    "frames_without_ranges": "pictures that could not be followed for want of fresh ranges",
+    "ranges_unusable": "ranges that do not fit the pictures' time or are too old",
+    "messages_forgotten": "messages that did not fit into the queue",
+    "log_lines_lost": "lines of the log that were not read in time",
+    "black_box_dropped": "records that the disk was too slow for",
+    "black_box_lost": "records that the disk refused",
+    "command_mac_wrong": "commands without the right key",
+    "message_incomplete": "messages of which a part never arrived",
+    "receive_buffer_full": "times messages came faster than they were handled: the newest are lost",
+}
+# Of ROBOT1_BASE: docs/operating-guide.md, The wheels.
+BASE_COUNTER_WORDS = {
+    "base_session_wrong": "commands for another run of the wheels' process: harmless while one of the two is starting",
+    "command_foreign": "commands of a second coordinator of this name",
+    "command_expired": "commands that came after their measurement had become too old",
+    "command_replayed": "commands that came twice, or of a recording",
+    "command_session_ended": "commands of a coordinator that another has replaced",
+    "command_after_gap": "commands from before a pause of the wheels' process: it was not running for a while",
+    "command_simulated": "commands of a simulator or a recording, for real wheels",
+    "command_mac_wrong": "commands without the right key",
+    "setpoint_mac_wrong": "setpoints without the right key",
+    "base_mac_wrong": "states of the wheels without the right key",
+    "resume_other_session": "resumes for another run",
+    "resume_replayed": "resumes with an old counter",
+    "serial_flushed": "lines discarded before they were sent to the controller",
+    "serial_blocked": "lines that the serial port did not take",
+    "serial_lost": "times the serial port was lost",
+    "line_checksum_wrong": "lines of the controller with a wrong checksum",
+    "line_malformed": "lines of the controller that cannot be read",
+    "line_too_long": "lines of the controller that are too long",
+    "line_cut_short": "lines of the controller that were cut short",
+    "odometry_jump": "encoder readings that no wheel can have made",
+    "controller_watchdog": "times the controller stopped the wheels by itself",
+    "command_malformed": "commands that cannot be read",
+    "command_stale": "commands that were too old when they arrived",
+    "command_sessions_full": "commands of more senders than are kept apart",
+    "another_base": "states of a second wheels' process of this name",
 }
 _SAID_COUNTERS = 3
 
@@ -69,7 +108,8 @@ def describe(
     if detected and observation is not None and name in ("tracking", "stopped"):
         lines += _measured(status, observation, setup)
     elif last_seen_s is not None:
-        lines.append(f"last measured {_duration(last_seen_s)} ago{_limit(setup)}")
+        # Of a robot that was stopped the limit is no reason.
+        lines.append(f"last measured {_duration(last_seen_s)} ago{'' if name == 'stopped' else _limit(setup)}")
     elif name != "stopped":
         lines.append("not seen since this page has been watching")
     if not status["text"].endswith(")"):  # else it has its numbers

@@ -55,7 +55,8 @@ def _rising_text(row: Row) -> str:
 def _leader_text(row: Row) -> str:
     if row.leader_index is None:
         return NOT_KNOWN
-    return f"{row.leader_index}" + (f" ({row.leader_changes} changes)" if row.leader_changes else "")
+    who = "first" if row.leader_index == 0 else f"other {row.leader_index}"  # as the page of view says it
+    return who + (f" ({row.leader_changes} changes)" if row.leader_changes else "")
 
 
 COLUMNS: tuple[Column, ...] = (
@@ -128,6 +129,7 @@ COLUMNS: tuple[Column, ...] = (
         lambda r: _key(r.latency_max_s),
         "From the exposure to the command: median of the last frames / largest of 10 s.",
     ),
+    Column("reason", "reason", lambda r: r.reason, lambda r: r.reason, "Why, where it does not track.", right=False),
     Column(
         "rising",
         "refusals",
@@ -141,11 +143,10 @@ COLUMNS: tuple[Column, ...] = (
         "leader",
         _leader_text,
         lambda r: r.leader_changes,
-        "Who is followed, 0: the configured leader, 1: the first alternative; and how often that changed.",
+        "Who is followed: first, the configured leader; other 1, the first alternative; and how often that changed.",
         right=False,
     ),
     Column("wheels", "wheels", lambda r: r.wheels or NOT_KNOWN, lambda r: r.wheels, "pilotfish-base.", right=False),
-    Column("reason", "reason", lambda r: r.reason, lambda r: r.reason, "Why, where it does not track.", right=False),
 )
 
 

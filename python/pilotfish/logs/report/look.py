@@ -24,14 +24,15 @@ th, td { text-align: left; padding: .3rem .7rem; border-bottom: 1px solid var(--
 th { font-weight: 600; } thead th { background: var(--panel); }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 td.word { overflow-wrap: anywhere; } td.label { white-space: nowrap; }
+td details { margin: 0; }
 figure { margin: 0 0 1rem; } figure svg { width: 100%; height: auto; max-width: 58rem; display: block; }
 figure.small svg { max-width: 40rem; }
 figcaption { color: var(--dim); font-size: .9rem; }
 pre { background: var(--panel); padding: .8rem; overflow: auto; max-height: 30rem; font-size: .8rem; }
 details { margin: .4rem 0; } summary { cursor: pointer; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr)); gap: .7rem; margin: 1rem 0; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fill, minmax(8.6rem, 1fr)); gap: .7rem; margin: 1rem 0; }
 .tile { background: var(--panel); border-radius: .4rem; padding: .6rem .8rem; }
-.tile b { display: block; font-size: 1.4rem; font-variant-numeric: tabular-nums; }
+.tile b { display: block; font-size: 1.25rem; white-space: nowrap; font-variant-numeric: tabular-nums; }
 .tile.doubt { border-left: 4px solid #d55e00; } .tile .why { color: #b34700; font-size: .85rem; }
 @media (prefers-color-scheme: dark) { .tile .why { color: #ff8a4c; } }
 .warning { border-left: 4px solid #d55e00; padding: .3rem .8rem; background: var(--panel); }

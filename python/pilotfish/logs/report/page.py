@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from html import escape
 
+from pilotfish.logs.beginning import approach_is_missing, late_beginnings
 from pilotfish.logs.report.look import CSS
 from pilotfish.logs.report.tables import (
     counter_table,
@@ -77,6 +78,12 @@ def summary_section(runs: Sequence[ReportedRun]) -> str:
         "begins with the last setpoint, start or resume, as in the experiments.</p>"
     )
     parts += [f'<p class="dim">{escape(pair.text)}</p>' for pair in same_runs({run.name: run.robot for run in runs})]
+    parts += [
+        f'<p class="dim">{escape(run.name)}: {escape(text)}.</p>'
+        for run in runs
+        if not approach_is_missing(run.robot)  # else it is among the doubts
+        for text in late_beginnings(run.robot)
+    ]
     for run in runs:
         doubts = doubts_of(run.recording, run.robot, summaries[run.name])
         parts += [f'<p class="warning">{escape(run.name)}: {escape(doubt)}.</p>' for doubt in doubts.values()]

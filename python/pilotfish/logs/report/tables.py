@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 from pilotfish.logs.notes import STAGE_LIMITS_MS, Settings, Stage
+from pilotfish.logs.report.repeats import Repeats, with_repeats_joined
 from pilotfish.logs.run import RunEvent
 from pilotfish.logs.summary import TITLES, Summary, shown
 from pilotfish.reason_words import reason_text
@@ -53,11 +54,50 @@ def counter_table(counters: Mapping[str, Mapping[str, int]]) -> str:
 
 
 def event_table(events: Sequence[RunEvent]) -> str:
-    """The first of them, and how many more there are."""
-    rows = [[f"{event.t_s:.2f}", event.kind, event_words(event)] for event in events[:MOST_EVENTS]]
-    more = len(events) - len(rows)
-    note = f'<p class="dim">… and {more} more, in <code>pilotfish export --to csv --table events</code></p>'
-    return table(["t [s]", "event", "what"], rows, numbers=False) + (note if more else "")
+    """The first of them, and how many more there are; what repeats is folded."""
+    items = with_repeats_joined(events)
+    shown, more = items[:MOST_EVENTS], sum(map(_count, items[MOST_EVENTS:]))
+    rows = [_repeats_row(item) if isinstance(item, Repeats) else _event_row(item) for item in shown]
+    head = "".join(f'<th class="word">{name}</th>' for name in ("t [s]", "event", "what"))
+    body = "\n".join(rows)
+    text = f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table></div>'
+    return text + _more_note(more)
+
+
+def _event_row(event: RunEvent) -> str:
+    return _event_cells(event.t_s, event.kind, escape(event_words(event)))
+
+
+def _event_cells(t_s: float, kind: str, what: str) -> str:
+    """``what`` is HTML."""
+    return (
+        f'<tr><td class="number">{t_s:.2f}</td><td class="label">{escape(kind)}</td><td class="word">{what}</td></tr>'
+    )
+
+
+def _repeats_row(repeats: Repeats) -> str:
+    events = repeats.events
+    often = ", ".join(
+        f"{event_words(RunEvent(0.0, 'status', text))} {count} {'time' if count == 1 else 'times'}"
+        for text, count in repeats.counts
+    )
+    said = f"{len(events)} changes between {events[0].t_s:.2f} and {events[-1].t_s:.2f} s: {often}"
+    each = table(
+        ["t [s]", "what"], [[f"{event.t_s:.2f}", event_words(event)] for event in events[:MOST_EVENTS]], numbers=False
+    )
+    note = _more_note(len(events) - MOST_EVENTS)
+    details = f"<details><summary>{escape(said)}</summary>{each}{note}</details>"
+    return _event_cells(events[0].t_s, "status", details)
+
+
+def _count(item: RunEvent | Repeats) -> int:
+    return len(item.events) if isinstance(item, Repeats) else 1
+
+
+def _more_note(more: int) -> str:
+    if more <= 0:
+        return ""
+    return f'<p class="dim">… and {more} more, in <code>pilotfish export --to csv --table events</code></p>'
 
 
 def event_words(event: RunEvent) -> str:

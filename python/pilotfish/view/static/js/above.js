@@ -70,7 +70,7 @@ function grid(context, view, width, height) {
   const step = STEPS_M.find((metres) => metres * view.scale >= 46) ?? 100;
   context.lineWidth = 1;
   context.strokeStyle = colour("grid");
-  context.fillStyle = colour("muted");
+  const labels = [];
   context.font = "11px system-ui, sans-serif";
   context.textAlign = "left";
   context.textBaseline = "bottom";
@@ -78,11 +78,17 @@ function grid(context, view, width, height) {
   for (let x = Math.ceil((view.middle[0] - halfX) / step) * step; x <= view.middle[0] + halfX; x += step) {
     const y = Math.round(view.at([x, 0])[1]) + 0.5;
     line(context, 0, y, width, y);
-    if (y > 16) context.fillText(`${Number(x.toFixed(2))} m`.replace("-", "\u2212"), 4, y - 1);
+    if (y > 16) labels.push([`${Number(x.toFixed(2))} m`.replace("-", "\u2212"), y - 2]);
   }
   for (let left = Math.ceil((view.middle[1] - halfY) / step) * step; left <= view.middle[1] + halfY; left += step) {
     const x = Math.round(view.at([0, left])[0]) + 0.5;
     line(context, x, 0, x, height);
+  }
+  for (const [text, y] of labels) { // on a ground of their own: no line runs through a number
+    context.fillStyle = colour("field");
+    context.fillRect(1, y - 13, context.measureText(text).width + 7, 13);
+    context.fillStyle = colour("muted");
+    context.fillText(text, 4, y);
   }
 }
 

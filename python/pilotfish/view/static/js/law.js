@@ -47,13 +47,13 @@ export class Law {
   update(status) {
     if (!this.law) return;
     const strengths = status?.strengths ?? [];
-    const most = Math.max(0, ...strengths.filter(Number.isFinite));
+    const most = Math.max(0, ...strengths.filter(Number.isFinite).map((strength) => Number(strength.toFixed(2))));
     this.cells.forEach((one, k) => {
-      const strength = strengths[k] ?? 0;
-      const shown = strength.toFixed(2);
+      const shown = (strengths[k] ?? 0).toFixed(2);
+      const strength = Number(shown); // what is less than 0.005 does not fire: bold with "0.00" on it says nothing
       if (one.dataset.strength === shown && one.hasAttribute("data-strongest") === (most > 0 && strength === most)) return;
       one.dataset.strength = shown;
-      one.style.backgroundColor = strength > 0 ? `rgba(${colour("hot")}, ${0.12 + 0.7 * Math.min(strength, 1)})` : "";
+      one.style.backgroundColor = strength > 0 ? `rgba(var(--hot), ${0.12 + 0.7 * Math.min(strength, 1)})` : "";
       one.toggleAttribute("data-fires", strength > 0);
       one.toggleAttribute("data-strongest", most > 0 && strength === most);
       one.title = `IF E is ${one.dataset.rule.split(" ")[0]} AND EC is ${one.dataset.rule.split(" ")[1]} THEN U is ${one.textContent}: fires at ${shown}`;

@@ -22,6 +22,7 @@ let parts = null; // made with the first hello: they depend on what is watched
 let state = null;
 let lostMs = performance.now();
 let problem = null;
+let heard = []; // robots on the bus that this server does not watch
 
 const connection = new Connection(asked, {
   onHello(hello) {
@@ -55,7 +56,7 @@ const connection = new Connection(asked, {
 function make(hello) {
   const robot = hello.mode === "robot";
   const made = { hello, numbers: new Numbers(hello.mode), charts: new Charts(samples, hello.mode), above: new Above(samples) };
-  if (robot) Object.assign(made, { controls: new Controls(hello.robot, connection), law: new Law(), tables: new Tables() });
+  if (robot) Object.assign(made, { controls: new Controls(hello, connection), law: new Law(), tables: new Tables() });
   made.law?.load();
   return made;
 }
@@ -78,15 +79,16 @@ function show() {
   parts.numbers.update(state);
   parts.above.update(state.observation, status ? [status.setpoint_distance_m, status.setpoint_bearing_rad] : null);
   parts.law?.update(live ? status : null);
-  parts.controls?.update(status);
+  parts.controls?.update(status, state.age("status"));
   parts.tables?.update(status?.stages ?? [], counters());
 }
 
 function counters() {
   const own = Object.entries(state.malformed ?? {}).map(([kind, count]) => [`view_${kind.toLowerCase()}`, count, `messages that this page's server could not read: ${kind}`]);
   const theirs = Object.entries(state.rejected ?? {}).map(([name, count]) => [name, count, parts.hello.counter_words?.[name] ?? ""]);
-  const wheels = Object.entries(state.base?.rejected ?? {}).map(([name, count]) => [`wheels: ${name}`, count, ""]);
-  return [...theirs, ...wheels, ...own].sort((a, b) => b[1] - a[1]);
+  const wheels = Object.entries(state.base?.rejected ?? {}).map(([name, count]) => [`wheels: ${name}`, count, parts.hello.base_counter_words?.[name] ?? parts.hello.counter_words?.[name] ?? ""]);
+  const zeros = state.zeros_without_picture ? [["zeros_without_picture", state.zeros_without_picture, "times zero was commanded for want of a picture, while following, in the last minute"]] : [];
+  return [...theirs, ...wheels, ...own, ...zeros].sort((a, b) => b[1] - a[1]);
 }
 
 // Ten times a second, whatever comes: age is what shows that nothing does.
@@ -94,12 +96,13 @@ function tick() {
   const link = document.body.dataset.link;
   const live = liveness();
   if (document.body.dataset.live !== live) document.body.dataset.live = live;
-  picture.tick(link === "open");
+  picture.tick(link === "open", live === "silent" && parts?.hello.mode === "robot");
+  parts?.controls?.tick();
   const text = document.getElementById("link-text");
   if (link === "lost") {
     const since = duration((performance.now() - lostMs) / 1e3);
     setText(text, "not connected");
-    headline(problem ? "Waiting for a robot" : "Server not reachable", problem ?? `for ${since}; what is shown is old. To stop the robot: pilotfish stop NAME`, problem ? "wait" : "bad");
+    headline(problem ? "Waiting for a robot" : "Server not reachable", problem ?? `for ${since}; what is shown is old. To stop the robot: pilotfish stop ${robotName()}`, problem ? "wait" : "bad");
     return;
   }
   if (link !== "open" || !parts) return;
@@ -111,12 +114,13 @@ function tick() {
   } else if (live === "silent") {
     const age = duration(newestAge());
     setText(text, `silent for ${age}`);
-    headline(`No messages from ${name}`, `the newest is ${age} old; what is shown is old`, "bad");
+    const shown = picture.live ? "numbers, curves and rules are old; the picture is live, from the camera" : "what is shown is old";
+    headline(`No messages from ${name}`, `the newest is ${age} old; ${shown}`, "bad");
   } else {
     setText(text, "nothing heard");
     const said = parts.hello.mode === "camera" && state?.words;
     if (said) parts.numbers.say(state.words);
-    else headline(`Nothing heard from ${name}`, "is pilotfish-coordinator running, with this name and this LCM URL?", "wait");
+    else headline(`Nothing heard from ${name}`, `is pilotfish-coordinator running, with this name and this LCM URL?${othersHeard()}`, "wait");
   }
   if (state) parts.charts.update(state.serverS(), live === "live");
 }
@@ -130,10 +134,16 @@ function headline(text, why, tone) {
   setText(document.getElementById("why"), why);
 }
 
+const robotName = () => (parts?.hello.robot ?? asked) || "NAME";
+
+const othersHeard = () => (heard.length ? ` Heard on this bus: ${heard.join(", ")}. To watch: pilotfish view ${heard[0]}` : "");
+
 async function listRobots(current) {
   const nav = document.getElementById("robots");
   const response = await fetch("/api/robots").catch(() => null);
-  const robots = response?.ok ? (await response.json()).robots : [];
+  const answer = response?.ok ? await response.json() : {};
+  const robots = answer.robots ?? [];
+  heard = answer.heard ?? [];
   const links = robots.length < 2 ? [] : robots.map((robot) => {
     const link = document.createElement("a");
     link.className = "chip";

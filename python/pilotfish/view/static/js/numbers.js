@@ -38,14 +38,14 @@ const ROBOT_TILES = [
   ["distance", "m", (s) => number(seen(s)?.distance_m, 3), (s) => sigma(s, 0, 1e3, "mm"), "distance"],
   ["bearing, left positive", "°", (s) => signed(degrees(seen(s)?.bearing_rad), 2), (s) => sigma(s, 1, 180 / Math.PI, "°"), "bearing"],
   ["leader's heading", "°", (s) => signed(degrees(seen(s)?.heading_rad), 1), (s) => sigma(s, 2, 180 / Math.PI, "°"), "heading"],
-  ["speed v", "m/s", (s) => signed(s.command?.linear_mps, 3), (s) => wheels(s, "linear_mps"), "linear"],
-  ["turn rate ω", "rad/s", (s) => signed(s.command?.angular_radps, 3), (s) => wheels(s, "angular_radps"), "angular"],
+  ["speed v", "m/s", (s) => signed(s.command?.linear_mps, 3), (s) => wheels(s, "linear_mps", "m/s"), "linear"],
+  ["turn rate ω", "rad/s", (s) => signed(s.command?.angular_radps, 3), (s) => wheels(s, "angular_radps", "rad/s"), "angular"],
   ["pictures", "Hz", (s) => number(s.status?.frame_rate_hz, 1), (s) => `${number(s.status?.processing_ms, 1)} ms each`, "rate"],
 ];
 
-function wheels({ base }, name) {
+function wheels({ base }, name, unit) {
   if (!base) return "";
-  return base.measured ? `measured ${signed(base[`measured_${name}`], 3)}` : `wheels ${signed(base[name], 3)}`;
+  return base.measured ? `measured ${signed(base[`measured_${name}`], 3)} ${unit}` : `wheels ${signed(base[name], 3)} ${unit}`;
 }
 
 // All zero in a status of a frame in which the law did not run.
@@ -63,12 +63,13 @@ const LOOP_TILES = [
   ["wheels' lag", "ms", (s) => number(drive(s)?.lag, 0), (s) => (drive(s) ? `± ${number(drive(s).lagSigma, 0)} ms` : ""), "drive-lag"],
   ["feed-forward", "%", (s) => number((s.status?.feed_forward_weight ?? NaN) * 100, 0), (s) => (s.status?.feed_forward_weight > 0 ? `leader ${signed(s.status.leader_radial_mps, 2)} m/s` : ""), "feed-forward"],
   ["missed deadlines", "", (s) => `${s.status?.missed_deadlines ?? "–"}`, () => "", "missed"],
+  ["zero, no picture", "times", (s) => `${s.zeros_without_picture ?? "–"}`, () => "in the last minute", "zeros"],
   ["leader", "", (s) => (s.status?.leader_index === 0 ? "first" : s.status ? `other ${s.status.leader_index}` : "–"), (s) => (s.status?.leader_changes ? `changed ${s.status.leader_changes} times` : ""), "leader"],
-  ["wheels' process", "", (s) => s.base?.state ?? "none", (s) => s.base?.text ?? "", "base"],
+  ["wheels' process", "", (s) => s.base?.state ?? "none", (s) => (s.base && s.base.text !== s.base.state ? s.base.text : ""), "base"],
 ];
 
 const CAMERA_TILES = [
-  ["distance", "m", (s) => number(seen(s)?.range_m, 3), (s) => sigma(s, 0, 1e3, "mm"), "range"],
+  ["distance", "m", (s) => number(seen(s)?.range_m, 3), (s) => (s.assumed_fov_deg ? `if ${s.assumed_fov_deg}° wide` : sigma(s, 0, 1e3, "mm")), "range"],
   ["right", "m", (s) => signed(pose(s, 0), 3), () => "x of the camera", "x"],
   ["down", "m", (s) => signed(pose(s, 1), 3), () => "y of the camera", "y"],
   ["ahead", "m", (s) => signed(pose(s, 2), 3), () => "z of the camera", "z"],

@@ -15,6 +15,7 @@ export class Picture {
     this.note = document.getElementById("picture-note");
     this.overlays = new Map();
     this.header = this.bitmap = null;
+    this.live = this.alone = false;
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
@@ -41,9 +42,15 @@ export class Picture {
     if (this.header?.utime_us === overlay.utime_us && this.drawn !== overlay) this.draw();
   }
 
-  tick(connected) {
+  // alone: no coordinator measures in these pictures any more.
+  tick(connected, alone) {
     const age = this.header ? this.header.ageThenS + (performance.now() - this.header.receivedMs) / 1e3 : Infinity;
     const old = !connected || age > OLD_S;
+    this.live = !old;
+    if (this.alone !== alone) {
+      this.alone = alone;
+      this.draw();
+    }
     this.card.toggleAttribute("data-old", old && this.header !== null);
     this.empty.hidden = !old;
     setText(this.empty, this.header === null ? "no picture on the bus (NAME_PREVIEW or NAME_IMAGE)" : `this picture is ${duration(age)} old`);
@@ -62,7 +69,7 @@ export class Picture {
     const source = header.source_size;
     setText(this.caption, `${source[0]} x ${source[1]} px`);
     if (!overlay) {
-      setText(this.note, "");
+      setText(this.note, this.alone ? "live, from the camera; nobody measures in it" : "");
       return;
     }
     // (0, 0) is the centre of the top-left pixel, so its corner is half a pixel before it.

@@ -18,7 +18,8 @@ export class Tables {
     const rows = [];
     for (const [name, count, words] of counters) {
       const known = this.before.get(name);
-      if (!known || known.count !== count) this.before.set(name, { count, ms: known ? now : -Infinity });
+      const rises = known && count > known.count; // what counts the last minute falls again
+      if (!known || known.count !== count) this.before.set(name, { count, ms: rises ? now : (known?.ms ?? -Infinity) });
       rows.push(counterRow(name, count, words, now - this.before.get(name).ms < RISING_MS));
     }
     if (!rows.length) rows.push(counterRow("nothing", "", "", false));
