@@ -13,6 +13,9 @@ from typing import Any
 from pilotfish.core import Reason, Status
 from pilotfish.doctor.following.load import Late
 from pilotfish.doctor.following.load import late as late_in
+from pilotfish.doctor.following.sight import Sight
+from pilotfish.doctor.following.sight import sight as sight_of
+from pilotfish.doctor.following.swing import Swing, swing
 from pilotfish.doctor.following.watch import Watched
 
 # The last part of the watch decides: what was mended while it was watched is no fault any more.
@@ -58,6 +61,7 @@ class Evidence:
     base_states: dict[str, float] = field(default_factory=dict)
     base_text: str = ""
     base_sessions: tuple[int, ...] = ()
+    other_bases: tuple[str, ...] = ()  # robots that have a pilotfish-base on the bus
     frame_rate_hz: float = math.nan  # as the coordinator measures it
     latency_s: Numbers = Numbers()
     latency_from_exposure: bool = False
@@ -71,7 +75,12 @@ class Evidence:
     setpoint_taken: bool = False  # by this run of the coordinator; else it is that of its configuration
     pictures_hz: float = 0.0  # new ones that it has looked at, in the deciding part
     late: Late = field(default_factory=Late)  # in the deciding part
+    swing: Swing = field(default_factory=Swing)  # of the distance error
+    setpoint_bearing_rad: float = math.nan
+    sight: Sight = field(default_factory=Sight)  # where the leader was measured, and how it stood
     commanded_mps: Numbers = Numbers()  # of |v|
+    commanded_range_mps: tuple[float, float] = (math.nan, math.nan)  # of v, least and most
+    commanded_radps: Numbers = Numbers()  # of |w|
     simulated: bool = False  # commands are for a simulator
     wheels_moved: bool | None = None  # by the encoders; None: not measured
 
@@ -86,6 +95,9 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
     last = statuses[-1] if statuses else None
     late_bases = [base for _, base in _late(watched.bases, watched)] or bases
     tracked = [(arrival_s, s) for arrival_s, s in watched.statuses if s.status == int(Status.tracking)]
+    speeds_mps = [command.linear_mps for _, command in late_commands if math.isfinite(command.linear_mps)]
+    deciding_since_s = watched.start_s + watched.seconds * (1.0 - DECIDING_SHARE)
+    wanted_m = last.setpoint_distance_m if last else math.nan
     states = [_base_state(base.state) for base in late_bases]
     sessions = tuple(dict.fromkeys(command.session for _, command in watched.commands))
     heard = [arrival_s for arrival_s, _ in (*watched.statuses, *watched.commands)]
@@ -113,6 +125,7 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
         base_states=_shares(states),
         base_text=bases[-1].text if bases else "",
         base_sessions=tuple(dict.fromkeys(base.session for base in bases)),
+        other_bases=tuple(sorted(watched.other_bases)),
         frame_rate_hz=last.frame_rate_hz if last else math.nan,
         latency_s=Numbers.of(status.latency_s for _, status in late),
         latency_from_exposure=bool(last and last.latency_from_exposure),
@@ -121,12 +134,17 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
         missed_deadlines=statuses[-1].missed_deadlines - statuses[0].missed_deadlines if statuses else 0,
         error_first_m=_median_error(tracked[: max(1, len(tracked) // 5)]),
         error_last_m=_median_error(tracked[-max(1, len(tracked) // 5) :]),
-        setpoint_distance_m=last.setpoint_distance_m if last else math.nan,
+        setpoint_distance_m=wanted_m,
+        swing=swing([(arrival_s, s.error_m) for arrival_s, s in tracked], wanted_m, deciding_since_s),
+        setpoint_bearing_rad=last.setpoint_bearing_rad if last else math.nan,
+        sight=sight_of(watched.observations),
         setpoint_run=bool(last.setpoint_run) if last else True,
         setpoint_taken=bool(last and last.setpoint_counter > 0),
         pictures_hz=_pictures([status for _, status in late]) / (watched.seconds * DECIDING_SHARE),
         late=late_in([status for _, status in late]),
-        commanded_mps=Numbers.of(abs(command.linear_mps) for _, command in late_commands),
+        commanded_mps=Numbers.of(map(abs, speeds_mps)),
+        commanded_range_mps=(min(speeds_mps), max(speeds_mps)) if speeds_mps else (math.nan, math.nan),
+        commanded_radps=Numbers.of(abs(command.angular_radps) for _, command in late_commands),
         simulated=any(command.simulated for _, command in late_commands),
         wheels_moved=_wheels_moved(late_bases),
     )

@@ -8,10 +8,14 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pilotfish.doctor.host import Host
 from pilotfish.doctor.network import DEFAULT_URL, group_of
 from pilotfish.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pilotfish.core import CameraModel, CameraMounting, Setpoint
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,9 @@ class Setup:
     body: str  # the leader's name
     frame_rate_hz: float = 30.0
     run: bool = True  # setpoint.run: it drives as soon as it is started
+    camera: CameraModel | None = None
+    mounting: CameraMounting | None = None
+    setpoint: Setpoint | None = None
 
     @property
     def image_channel(self) -> str | None:
@@ -40,7 +47,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Process:
-    """A pilotfish-coordinator that runs on this host."""
+    """One of Pilotfish's programs that runs on this host."""
 
     pid: int
     words: tuple[str, ...]  # its command line
@@ -85,6 +92,9 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
         body=part.leader.name,
         frame_rate_hz=loaded.frame_rate_hz,
         run=part.setpoint.run,
+        camera=part.camera,
+        mounting=part.mounting,
+        setpoint=part.setpoint,
     )
 
 
@@ -99,11 +109,16 @@ def runs_here(robot: str, url: str, processes: list[Process]) -> bool:
 
 def running_coordinators(host: Host) -> list[Process]:
     """Those whose command lines this user may read."""
+    return running(host, "pilotfish-coordinator")
+
+
+def running(host: Host, program: str) -> list[Process]:
+    """Processes of a program whose command lines this user may read."""
     found = []
     for file in host.find("/proc", "[0-9]*/cmdline"):
         try:
             words = tuple(word.decode(errors="replace") for word in file.read_bytes().split(b"\0") if word)
-            if words and Path(words[0]).name == "pilotfish-coordinator":
+            if words and Path(words[0]).name == program:
                 folder = (file.parent / "cwd").resolve()
                 found.append(Process(int(file.parent.name), words, folder, _default_url(file.parent / "environ")))
         except (OSError, ValueError):
