@@ -1,4 +1,4 @@
-"""The files of a robot's folder: what of them is still an example, and whether the leader is to be kept in the picture."""
+"""The files of a robot's folder: what is still an example, and whether its camera sees where the leader is to be."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def bearing_that_stays(robot: str, seen: Evidence, setup: Setup | None) -> list[
         f"it tracks, and keeps the leader at a bearing of {math.degrees(last):.0f} degrees where "
         f"{math.degrees(wanted):.0f} are wanted, no nearer than {seen.seconds:.0f} s ago"
     )
-    if outside := out_of_view(setup):
+    if outside := out_of_view(setup, wanted, seen.setpoint_distance_m):
         return [Cause("mounting", f"{where}: the camera's mounting (pan_deg) does not agree: {outside}", _MEASURE_PAN)]
     at_edge = risen_by(seen, "tag_outside_frame")
     if at_edge:
@@ -121,12 +121,13 @@ _MEASURE_PAN = (
 )
 
 
-def out_of_view(setup: Setup | None) -> str:
-    """That the place where the leader is to be kept is not in the picture, with the angles; empty where it is, or where
-    the configuration is not known."""
+def out_of_view(setup: Setup | None, wanted_rad: float | None = None, distance_m: float | None = None) -> str:
+    """That the place where the leader is to be kept, by default the configuration's, is not in the picture, with the
+    angles; empty where it is, or where the configuration is not known."""
     if setup is None or setup.mounting is None or setup.camera is None or setup.setpoint is None:
         return ""
-    wanted_rad, distance_m = setup.setpoint.bearing_rad, setup.setpoint.distance_m
+    wanted_rad = setup.setpoint.bearing_rad if wanted_rad is None else wanted_rad
+    distance_m = setup.setpoint.distance_m if distance_m is None else distance_m
     base_from_camera = np.array(setup.mounting.bMc)
     camera_from_base = np.linalg.inv(base_from_camera)
     height_m = base_from_camera[2, 3]  # that it is high or low enough is a matter of the tags' place
@@ -138,7 +139,7 @@ def out_of_view(setup: Setup | None) -> str:
         return ""
     left, right = (_bearing(setup, base_from_camera, column) for column in (0.0, setup.width - 1.0))
     return (
-        f"with it the picture covers bearings from {right:.0f} to {left:.0f} degrees, and setpoint.bearing "
+        f"with it the picture covers bearings from {right:.0f} to {left:.0f} degrees, and a bearing of "
         f"{math.degrees(wanted_rad):.0f} degrees at {distance_m:.2f} m is not among them"
     )
 
