@@ -131,7 +131,7 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
         latency_from_exposure=bool(last and last.latency_from_exposure),
         processing_ms=Numbers.of(status.processing_ms for _, status in late),
         image_age_s=_image_age(watched, wall_offset_s),
-        missed_deadlines=statuses[-1].missed_deadlines - statuses[0].missed_deadlines if statuses else 0,
+        missed_deadlines=_missed_deadlines(statuses),
         error_first_m=_median_error(tracked[: max(1, len(tracked) // 5)]),
         error_last_m=_median_error(tracked[-max(1, len(tracked) // 5) :]),
         setpoint_distance_m=wanted_m,
@@ -165,28 +165,33 @@ def reason_name(number: int) -> str:
 
 
 def risen(reports: Sequence[Any]) -> dict[str, int]:
-    """How much each counter of one sender rose; the largest first.
+    """How much each counter rose, summed over its senders' sessions; the largest first.
 
     A message has room for some counters only, and they take turns: the first value of one that is not in the first
-    message is 0 unless "others" said that there were more.
+    message is 0 unless "others" said that there were more. A session that begins after another counts from 0; of two
+    that take turns each has counted before.
     """
-    first: dict[str, int] = {}
-    last: dict[str, int] = {}
-    session, complete = None, True
-    total: Counter[str] = Counter()
+    one_by_one = not _take_turns([report.session for report in reports])
+    of_session: dict[int, list[Any]] = {}
     for report in reports:
-        if report.session != session:  # started anew: it counts from 0
-            total.update({name: last[name] - first[name] for name in last})
-            named = {counter.name for counter in report.rejected}
-            complete = "others" not in named
-            first = {counter.name: counter.count for counter in report.rejected} if session is None else {}
-            last, session = dict(first), report.session
+        of_session.setdefault(report.session, []).append(report)
+    total: Counter[str] = Counter()
+    for k, listed in enumerate(of_session.values()):
+        total.update(_risen_in_session(listed, from_zero=one_by_one and k > 0))
+    return {name: count for name, count in total.most_common() if count > 0 and name != "others"}
+
+
+def _risen_in_session(reports: Sequence[Any], *, from_zero: bool) -> dict[str, int]:
+    named = {counter.name: counter.count for counter in reports[0].rejected}
+    complete = "others" not in named
+    first = {} if from_zero else named
+    last = dict(first)
+    for report in reports:
         for counter in report.rejected:
             if counter.name not in first:
                 first[counter.name] = 0 if complete else counter.count
             last[counter.name] = counter.count
-    total.update({name: last[name] - first[name] for name in last})
-    return {name: count for name, count in total.most_common() if count > 0 and name != "others"}
+    return {name: last[name] - first[name] for name in last}
 
 
 def _late(messages: list[tuple[float, Any]], watched: Watched) -> list[tuple[float, Any]]:
@@ -213,6 +218,12 @@ def _take_turns(sessions: Sequence[int]) -> bool:
         if after in ended:
             return True
     return False
+
+
+def _missed_deadlines(statuses: Sequence[Any]) -> int:
+    """Of the session that spoke last."""
+    same = [status for status in statuses if status.session == statuses[-1].session]
+    return same[-1].missed_deadlines - same[0].missed_deadlines if same else 0
 
 
 def _median_error(tracked: Sequence[tuple[float, Any]]) -> float:
