@@ -33,6 +33,7 @@ EXIT_STATUS = {
     78: "A configuration, leader or calibration is wrong; the message names the key.",
     130: "Ctrl-C.",
     141: "A pipe without a reader.",
+    129: "SIGHUP: its terminal was closed, its connection lost.",
     143: "SIGTERM.",
 }
 PROGRAMS = ("pilotfish-base", "pilotfish-coordinator", "pilotfish-sim", "pilotfish-spy")

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
 
+from pilotfish.end_with_parent import ending_with_parent
 from pilotfish.errors import HarnessError
 
 TERMINATE_WITHIN_S = 10.0
@@ -17,7 +18,7 @@ _POLL_S = 0.02
 
 class Child:
     """``with Child([...], folder, "robot1") as child:`` - on leaving, SIGTERM, and SIGKILL if that is not
-    heeded."""
+    heeded. It ends with this process, too, also if that is killed."""
 
     def __init__(self, command: Sequence[str | Path], folder: Path, name: str) -> None:
         self.command = [str(word) for word in command]
@@ -25,7 +26,8 @@ class Child:
         self.stdout_file = folder / f"{name}.stdout"
         self.stderr_file = folder / f"{name}.stderr"
         with self.stdout_file.open("wb") as stdout, self.stderr_file.open("wb") as stderr:
-            self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
+            words = ending_with_parent(self.command)
+            self.process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
 
     def __enter__(self) -> Child:
         return self
