@@ -67,7 +67,7 @@ def test_a_child_ends_also_when_its_parent_is_killed(tmp_path, way):
         script = (
             "import os, sys, subprocess\nwords = 'from pilotfish.end_with_parent import end_with_parent as end; '\n"
         )
-        script += f"words += f'end({{os.getpid()}}); print(1, flush=True); import time; time.sleep(600)'\n"
+        script += "words += f'end({os.getpid()}); print(1, flush=True); import time; time.sleep(600)'\n"
         script += f"child = subprocess.Popen([sys.executable, '-c', words, {mark!r}], stdout=subprocess.PIPE)\n"
         script += "child.stdout.readline(); print(child.pid, flush=True); child.wait()\n"
     with subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path, stdout=subprocess.PIPE, text=True) as parent:
