@@ -61,7 +61,7 @@ def test_a_base_file_that_is_not_there_is_wrong_and_says_how_to_get_one(robot):
 @pytest.mark.parametrize(
     ("damage", "said"),
     [
-        (lambda text: "", "it is not a YAML mapping"),
+        (lambda text: "", "base.yaml is not a YAML mapping"),
         (lambda text: text.replace("wheel_radius_m: 0.05", "wheel_radius_m: .nan"), "wheels.wheel_radius_m: nan"),
         (lambda text: text.replace("wheel_radius_m:", "wheelradius_m:"), "wheels.wheelradius_m: is not a known key"),
         (lambda text: text + "\n\t{", "base.yaml"),

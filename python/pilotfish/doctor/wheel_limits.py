@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pilotfish import base, coordinator
+from pilotfish.config_message import in_file, with_meant_key
 from pilotfish.doctor.finding import Finding, ok, wrong
 from pilotfish.errors import ConfigError
 
@@ -86,7 +87,7 @@ def _unusable(beside: Beside, coordinator_file: str, robot: str) -> Finding:
     if beside.problem:
         return wrong(
             CHECK,
-            f"pilotfish-base does not start with {beside.file}: {_said_once(beside.problem, beside.file)}",
+            f"pilotfish-base does not start: {with_meant_key(in_file(beside.problem, beside.file))}",
             "correct what is named; pilotfish-base --describe-config lists every key, its range and its default",
         )
     if beside.other_names:
@@ -102,8 +103,3 @@ def _unusable(beside: Beside, coordinator_file: str, robot: str) -> Finding:
         f"no base.yaml beside {coordinator_file}: nobody says how fast the wheels may drive and how hard they brake",
         f"pilotfish init {robot} --dir NEW writes one to copy; with a driver of your own, enter there what it can do",
     )
-
-
-def _said_once(problem: str, file: Path) -> str:
-    """The message without the file, which is named before it."""
-    return problem.removeprefix("file: ").replace(f" (in {file})", "").replace(f"{file} is", "it is")

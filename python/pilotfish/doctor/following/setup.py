@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pilotfish.config_message import in_file
 from pilotfish.doctor.host import Host
 from pilotfish.doctor.network import DEFAULT_URL, group_of
 from pilotfish.errors import ConfigError
@@ -79,7 +80,7 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
     try:
         loaded = load_coordinator(str(file))
     except ConfigError as error:
-        raise ConfigError(f"{file}: {error}") from error
+        raise ConfigError(in_file(str(error), file)) from error
     part = loaded.coordinator
     return Setup(
         file=file,
