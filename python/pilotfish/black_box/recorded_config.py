@@ -15,8 +15,8 @@ _UNPACKED = re.compile(r"/\S*/pilotfish-\w{6}/((\d+)\.\w+|[\w.]+)")  # where loa
 
 
 def recorded_config(event: Event, message: box_start_t) -> CoordinatorFile:
-    """What the coordinator was configured with. RecordingError where this very program has accepted what it refuses now:
-    bits of it have changed since. ConfigError for another program's."""
+    """What the coordinator was configured with. RecordingError where this very program has accepted what it now
+    refuses: bits of it have changed since. ConfigError for another program's."""
     try:
         return load_bundle(messages.bundle_of(message))
     except ValueError as error:
