@@ -73,8 +73,8 @@ def test_a_bearing_that_is_kept_is_following():
 
 
 def test_a_bearing_on_its_way_is_following():
-    """From 60 degrees off to 0 within the watch."""
-    assert judged(watch(bearing_deg=lambda t: WANTED_DEG + 60.0 * (1.0 - t / SECONDS))).follows
+    """From 60 degrees off to 30 within the watch: not there yet, and nearer."""
+    assert judged(watch(bearing_deg=lambda t: WANTED_DEG + 60.0 * (1.0 - 0.5 * t / SECONDS))).follows
 
 
 def test_the_papers_steady_bearing_error_is_following():
