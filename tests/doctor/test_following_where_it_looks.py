@@ -29,21 +29,30 @@ def rolled(roll_deg, tilt_deg=0.0, pan_deg=0.0):
     return dataclasses.replace(SETUP, mounting=mounting)
 
 
-def watch(error_m=lambda t: 0.0, bearing_deg=lambda t: WANTED_DEG, true=SETUP, turn_radps=0.0, outside=0, **more):
-    """A robot that tracks for SECONDS; ``true``: how its camera really sits."""
+def watch(
+    error_m=lambda t: 0.0,
+    bearing_deg=lambda t: WANTED_DEG,
+    true=SETUP,
+    turn_radps=0.0,
+    outside=0,
+    status=core.Status.tracking,
+    **more,
+):
+    """A robot that has one status, of SECONDS; ``true``: how its camera really sits."""
+    number, running = int(status), status is not core.Status.stopped
     watched = Watched("robot1", SECONDS, start_s=0.0)
     camera_from_base = np.linalg.inv(np.array(true.mounting.bMc))
     for k in range(int(SECONDS * RATE_HZ)):
         time_s = k / RATE_HZ
         status = status_t()
-        status.status, status.session, status.setpoint_run = int(core.Status.tracking), 7, True
+        status.status, status.session, status.setpoint_run = number, 7, running
         status.setpoint_distance_m, status.setpoint_bearing_rad = WANTED_M, math.radians(WANTED_DEG)
         status.error_m, status.utime = error_m(time_s), k + 1
         counter = counter_t()
         counter.name, counter.count = "tag_outside_frame", outside * k
         status.rejected = [counter]
         command = command_t()
-        command.session, command.status = 7, int(core.Status.tracking)
+        command.session, command.status = 7, number
         command.linear_mps, command.angular_radps = -error_m(time_s), turn_radps
         seen = observation_t()
         bearing_rad = math.radians(bearing_deg(time_s))
@@ -118,10 +127,20 @@ def test_a_camera_that_hangs_upside_down_and_is_said_to_is_no_fault():
     assert judged(watch(true=rolled(180.0)), rolled(180.0)).follows
 
 
-def test_without_a_configuration_upside_down_is_said_for_a_camera_without_roll():
-    diagnosis = judged(watch(true=rolled(180.0)), None)
-    assert names(diagnosis) == ["camera_upside_down"]
-    assert "if it is mounted without roll" in diagnosis.causes[0].what
+def test_without_a_configuration_upside_down_is_a_note_where_it_follows_and_a_cause_where_it_does_not():
+    """A camera that hangs upside down and is said to looks the same from here, and follows."""
+    good = judged(watch(true=rolled(180.0)), None)
+    (note,) = [note for note in good.notes if note.name == "camera_upside_down"]
+    assert good.follows and "if it is mounted without roll" in note.what
+    assert names(judged(watch(true=rolled(180.0), status=core.Status.stopped), None)) == [
+        "stopped",
+        "camera_upside_down",
+    ]
+
+
+def test_a_camera_upside_down_hides_no_other_cause():
+    far = judged(watch(true=rolled(180.0), error_m=lambda t: -0.8), None)
+    assert names(far) == ["camera_upside_down", "distance_error"]
 
 
 def test_a_picture_on_its_side_leans_by_a_right_angle():
@@ -132,15 +151,18 @@ def test_a_picture_on_its_side_leans_by_a_right_angle():
 
 def test_a_wrong_tilt_puts_the_leader_off_the_floor():
     """Tilted up by 20 degrees and said to be level: at 1.1 m the leader seems 1.05 m * sin 20 deg = 0.36 m lower, and
-    it leans by 20 degrees, which a far tag may, too. Level and said to be tilted: as much higher."""
-    diagnosis = judged(watch(true=rolled(0.0, tilt_deg=20.0)))
-    assert names(diagnosis) == ["mounting"]
-    assert "below the floor" in diagnosis.causes[0].what and "tilt_deg" in diagnosis.causes[0].what
-    assert "above the floor" in judged(watch(), rolled(0.0, tilt_deg=20.0)).causes[0].what
+    it leans by 20 degrees, which a far tag may, too. Level and said to be tilted: as much higher. Heights that are all
+    wrong by the same do not keep it from following."""
+    for true, told, where in ((20.0, 0.0, "below"), (0.0, 20.0, "above")):
+        good = judged(watch(true=rolled(0.0, tilt_deg=true)), rolled(0.0, tilt_deg=told))
+        (note,) = [note for note in good.notes if note.name == "mounting"]
+        assert good.follows and f"{where} the floor" in note.what and "tilt_deg" in note.what
+    far = judged(watch(true=rolled(0.0, tilt_deg=20.0), error_m=lambda t: -0.8))
+    assert names(far) == ["distance_error", "mounting"]
 
 
 def test_a_tilt_that_is_off_by_little_is_not_told():
-    assert judged(watch(true=rolled(0.0, tilt_deg=5.0))).follows
+    assert "mounting" not in [note.name for note in judged(watch(true=rolled(0.0, tilt_deg=5.0))).notes]
 
 
 # --- swinging ---------------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ from pilotfish.doctor.following.cause import (
 from pilotfish.doctor.following.evidence import Evidence
 from pilotfish.doctor.following.in_view import InView
 from pilotfish.doctor.following.load import Machine
-from pilotfish.doctor.following.mounting import bearing_that_stays, how_it_stands
+from pilotfish.doctor.following.mounting import bearing_that_stays, how_it_stands, off_the_floor
 from pilotfish.doctor.following.seeing import overloaded, what_is_missing_while_stopped, what_it_sees
 from pilotfish.doctor.following.setup import Setup
 from pilotfish.doctor.following.wheels import distance_that_stays, distance_that_swings, what_the_wheels_do
@@ -36,10 +36,12 @@ def causes(
     Needs a coordinator that was heard: what there is without one is said in no_coordinator.py.
     """
     found = _senders(robot, seen)
+    standing: list[Cause] = []
+    before = len(found)
     if not found:  # two coordinators send zeros, whatever they see; one that is gone sees nothing any more
         found += what_is_missing_while_stopped(robot, seen, setup, machine)
         found += _stopped(robot, seen, setup)
-        found += how_it_stands(seen, setup)  # first: what it sees of a camera upside down makes it turn away
+        standing, before = how_it_stands(seen, setup), len(found)
         found += what_it_sees(robot, seen, setup, in_view, machine)
     held = held_share(seen)
     blocking, notes = what_the_wheels_do(robot, seen)
@@ -51,6 +53,12 @@ def causes(
             *bearing_that_stays(robot, seen, setup),
             *(distance_that_stays(robot, seen) or distance_that_swings(seen)),
         ]
+    if found or (setup is not None and setup.mounting is not None):
+        found[before:before] = standing  # before what it sees: with a camera upside down it turns away from its leader
+    else:
+        notes += standing  # it may be mounted with that roll, and follows
+    if not standing and "mounting" not in {cause.name for cause in found}:
+        (found if found else notes).extend(off_the_floor(seen, setup))
     first, more = what_the_base_is_set_to(found, seen, base_here)
     found, notes = first + found, notes + more
     busy = overloaded(seen, machine)

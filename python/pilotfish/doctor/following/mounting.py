@@ -22,13 +22,8 @@ _OFF_FLOOR_M, _OFF_FLOOR_SHARE = 0.3, 0.15  # of the distance: 8.5 degrees of ti
 _BASE_FROM_LEVEL_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 
 
-def mounting_causes(robot: str, seen: Evidence, setup: Setup | None) -> list[Cause]:
-    """What contradicts the mounting. Needs pictures in which the leader was measured."""
-    return [*how_it_stands(seen, setup), *bearing_that_stays(robot, seen, setup)]
-
-
 def how_it_stands(seen: Evidence, setup: Setup | None) -> list[Cause]:
-    """The leader hangs, leans, or floats: the camera's roll, tilt or height is not what the configuration says."""
+    """The leader hangs or leans: the camera's roll or tilt is not what the configuration says."""
     up = np.array(seen.sight.up_in_camera)
     if seen.sight.measured == 0 or not np.isfinite(up).all():
         return []
@@ -59,8 +54,15 @@ def how_it_stands(seen: Evidence, setup: Setup | None) -> list[Cause]:
                 "(pilotfish learn-body)",
             )
         ]
-    if base_from_camera is None:
+    return []
+
+
+def off_the_floor(seen: Evidence, setup: Setup | None) -> list[Cause]:
+    """The leader is measured above or below the floor. Heights that are all wrong by the same harm neither distance nor
+    bearing: a note, where it follows."""
+    if seen.sight.measured == 0 or setup is None or setup.mounting is None:
         return []
+    base_from_camera = np.array(setup.mounting.bMc)
     height_m = float((base_from_camera @ np.array([*seen.sight.origin_in_camera_m, 1.0]))[2])
     distance_m = float(np.linalg.norm(seen.sight.origin_in_camera_m))
     if abs(height_m) <= max(_OFF_FLOOR_M, _OFF_FLOOR_SHARE * distance_m):
@@ -110,7 +112,8 @@ def bearing_that_stays(robot: str, seen: Evidence, setup: Setup | None) -> list[
             f"{where}, although it commands {math.degrees(turns.median):.0f} degrees/s: it does not turn, or turns the "
             "other way",
             f"lift it and command a turn: do both wheels of {robot} turn, and which way (base.yaml: left and right, "
-            "signs, track_width_m)? Does camera.mounting.pan_deg agree with the camera?",
+            "signs, track_width_m)? Does camera.mounting.pan_deg agree with the camera? While it passes an obstacle "
+            "(control.avoidance) this is no fault",
         )
     ]
 
