@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from pilotfish import core, data
+from pilotfish.cli.following_report import figures
 from pilotfish.doctor import following
 from pilotfish.doctor.following.base_here import BaseHere, driver_of, find_base
 from pilotfish.doctor.following.setup import Process, load_setup
@@ -243,3 +244,15 @@ def test_where_only_another_robots_wheels_are_on_the_bus_they_are_named():
     assert "no pilotfish-base of robot1 is on the bus, but one of robot2 is there" in diagnosis.causes[0].what
     (note,) = [note for note in diagnosis.notes if note.name == "no_base"]
     assert "one of robot2 is there" in note.what and "name: robot1" in note.do
+
+
+def test_the_figures_show_the_bearing_how_far_it_swings_and_which_driver_turns_the_wheels():
+    message = base_t()
+    message.session, message.state, message.text = 3, 1, "driving"
+    own = Message(0.0, "ROBOT1_BASE", "robot1", Kind.base, message)
+    seen = judged(watch(error_m=lambda t: 0.043 + 0.2 * math.sin(2 * math.pi * t / 5.0), base=own)).evidence
+    rows = dict(figures(seen, "dry_run"))
+    assert rows["bearing"] == "-10.0 deg at first, -10.0 deg at last (wanted -10.0 deg)"
+    assert "between 157 mm too far and 243 mm too close (wanted 1.10 m)" in rows["distance error"]
+    assert "from -0.24 to 0.16 m/s" in rows["commanded"]
+    assert rows["wheels"] == "driving (driver dry_run: no wheels turn)"
