@@ -1,5 +1,5 @@
-"""How Ctrl-C and SIGTERM end a command: with one exit code, no traceback, and what was begun cleaned up. Imports
-nothing large: it is there before everything else.
+"""How Ctrl-C, SIGTERM and SIGHUP (a terminal that is closed, a connection that is lost) end a command: with one exit
+code, no traceback, and what was begun cleaned up. Imports nothing large: it is there before everything else.
 
 While a command works, the first one raises KeyboardInterrupt in the main thread. What comes within BOUNCE_S after it,
 from a finger that bounces, or from a shell and a supervisor that both ask, is the same wish: it must not break into the
@@ -18,11 +18,11 @@ import time
 INTERRUPTED = 130  # 128 + SIGINT, as a shell says it
 BOUNCE_S = 0.5
 _RETRY_S = 0.02
-_DEFAULTS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+_DEFAULTS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL, signal.SIGHUP: signal.SIG_DFL}
 
 
 class Interrupts:
-    """The handlers of both signals. ``working``: whether they are to raise, or to end the process at once."""
+    """The handlers of all three. ``working``: whether they are to raise, or to end the process at once."""
 
     def __init__(self) -> None:
         self.working = False

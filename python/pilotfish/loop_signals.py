@@ -1,4 +1,4 @@
-"""Programs that are an event loop, and what Ctrl-C and SIGTERM do to them."""
+"""Programs that are an event loop, and what Ctrl-C, SIGTERM and SIGHUP do to them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import asyncio
 import signal
 from collections.abc import Awaitable, Callable
 
-_ENDING = (signal.SIGINT, signal.SIGTERM)
+_ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def run_until_signal(main: Callable[[], Awaitable[None]], on_signal: Callable[[int], None]) -> None:
@@ -16,7 +16,8 @@ def run_until_signal(main: Callable[[], Awaitable[None]], on_signal: Callable[[i
     async def run() -> None:
         loop = asyncio.get_running_loop()
         for number in _ENDING:
-            loop.add_signal_handler(number, on_signal, number)
+            if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
+                loop.add_signal_handler(number, on_signal, number)
         await main()
 
     before = {number: signal.getsignal(number) for number in _ENDING}

@@ -313,6 +313,29 @@ def test_the_configuration_comes_out_of_the_log_alone(tmp_path):
         assert a.command == b.command
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (b"name: coordination", b"n\xffme: coordination", "not a text in UTF-8"),
+        (b"error_scale_m:", b"error_scale_n:", "error_scale_n: is not a known key"),
+    ],
+)
+def test_a_recorded_configuration_with_a_changed_bit_is_a_damaged_recording(tmp_path, before, after, said):
+    """The same program has accepted it: it is no wrong configuration, and no file of the program's own is to blame."""
+    run = RecordedRun(tmp_path)
+    drive_at_random(run, 10, seed=2)
+    run.close()
+    (file,) = files_in(tmp_path)
+    content = file.read_bytes()
+    assert before in content
+    file.write_bytes(content.replace(before, after))
+    result = CliRunner().invoke(app, ["replay", str(file), "--assert"])
+    output = " ".join(result.output.split())
+    assert result.exit_code == 65, output
+    assert "the recording is damaged at byte 0" in output and said in output
+    assert "/pilotfish-" not in output.replace(str(tmp_path), "")
+
+
 def test_a_recording_that_lacks_a_file_does_not_look_for_it_here(tmp_path):
     bundle = coordinator.bundle_config(CONFIG_PATH)
     less = coordinator.ConfigBundle([f for f in bundle.files if f.role != "leader"], bundle.overrides)

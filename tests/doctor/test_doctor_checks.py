@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pilotfish.doctor import Verdict, bus_checks, devices, network, programs, system
+from pilotfish.doctor import Host, Verdict, bus_checks, devices, network, programs, system
 from pilotfish.errors import ExecutableNotFoundError
 from pilotfish.lcmtypes.pilotfish.command_t import command_t
 
@@ -246,3 +246,16 @@ def test_the_version_of_liblcm_is_told(machine):
 )
 def test_a_machine_without_any_of_these_files_gets_a_note(machine, check):
     assert check(machine()).verdict is Verdict.note
+
+
+def test_the_firewall_remedy_names_rules_that_are_there(machine, said, tmp_path):
+    """The package's where it is installed, else those of the clone that these sources are in, else where they stand."""
+    packaged = machine({"usr/share/pilotfish/nftables/pilotfish.nft": "table"}, nft=said(1, "", "No such file"))
+    assert system.check_firewall(packaged).advice == "sudo nft -f /usr/share/pilotfish/nftables/pilotfish.nft"
+    (tmp_path / "a clone" / "packaging" / "nftables").mkdir(parents=True)
+    rules = tmp_path / "a clone" / "packaging" / "nftables" / "pilotfish.nft"
+    rules.write_text("table")
+    bare = Host(tmp_path / "nothing")
+    near = tmp_path / "a clone" / "python" / "pilotfish" / "system.py"
+    assert system._let_only_this_host(bare, [near]) == f"sudo nft -f '{rules}'"
+    assert "operating-guide" in system._let_only_this_host(bare, [tmp_path / "else" / "system.py"])

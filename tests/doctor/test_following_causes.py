@@ -99,6 +99,12 @@ def test_a_restart_counts_from_0():
     assert risen(before + after) == {"pose": 6}
 
 
+def test_two_sessions_that_take_turns_each_count_for_themselves():
+    """1000 to 1005 and 7 to 12, alternately: 10 in all, whatever lies between the two."""
+    turns = [status(session=7 + k % 2, rival_commands=(1000, 7)[k % 2] + k // 2) for k in range(12)]
+    assert risen(turns) == {"rival_commands": 10}
+
+
 def test_only_the_second_half_decides():
     """Searching until 1 s, tracking since: it follows."""
     seen = collect(watched(lambda t: status(SEARCHING, "no_tag_found") if t < 1.0 else status(), command()))

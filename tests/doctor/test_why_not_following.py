@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import contextmanager
 
 import pytest
 from following_robot import WatchedRobot, edited_config, half_size_calibration, with_other_ids
@@ -110,28 +111,42 @@ def test_a_wrong_frame_size_is_told_with_both_sizes(robot, tmp_path):
     assert "the images are 640x480, the calibration is 320x240" in said["causes"][0]["what"]
 
 
-def test_pictures_that_are_an_hour_old_are_told_with_their_age(robot):
-    robot.coordinator()
-    over = threading.Event()
+@contextmanager
+def played(url, turned=False, age_us=0):
+    """The leader's pictures on ROBOT1_IMAGE, 30 a second; ``turned``: by 180 degrees."""
+    over, pictures = threading.Event(), [frame.image for frame in leader_pictures(30)]
 
     def play():
-        sender = bus.Bus(robot.url)
-        pictures = leader_pictures(30)
+        sender = bus.Bus(url)
         for k in itertools.count():
-            utime = time.time_ns() // 1000 - 3_600_000_000
-            sender.publish_image("ROBOT1_IMAGE", core.Frame(pictures[k % 30].image, utime=utime))
+            image = pictures[k % 30][::-1, ::-1].copy() if turned else pictures[k % 30]
+            sender.publish_image("ROBOT1_IMAGE", core.Frame(image, utime=time.time_ns() // 1000 - age_us))
             if over.wait(1 / 30):
                 return
 
     player = threading.Thread(target=play)
     player.start()
     try:
-        said = doctor(robot.url)
+        yield
     finally:
         over.set()
         player.join()
+
+
+def test_pictures_that_are_an_hour_old_are_told_with_their_age(robot):
+    robot.coordinator()
+    with played(robot.url, age_us=3_600_000_000):
+        said = doctor(robot.url)
     assert names(said)[0] == "too_old"
     assert "3600 s old" in said["causes"][0]["what"]
+
+
+def test_a_camera_upside_down_is_told_while_the_robot_stands(robot, tmp_path):
+    """As soon as it drove it would turn away from its leader, and see nothing any more."""
+    robot.coordinator(edited_config(tmp_path, lambda content: content["setpoint"].update(run=False)))
+    with played(robot.url, turned=True):
+        said = doctor(robot.url)
+    assert set(names(said)) == {"stopped", "camera_upside_down"}
 
 
 def test_without_a_coordinator_the_bus_and_the_way_to_start_one_are_told():

@@ -13,6 +13,7 @@ from pilotfish import sim
 from pilotfish.core import Twist
 from pilotfish.errors import RecordingError
 from pilotfish.identify import Evidence, as_yaml, evidence_from_recording, fit_drive, verdicts_of
+from pilotfish.identify.evidence import _together
 from pilotfish.identify.leader_track import Noise, bands, differences_of
 from pilotfish.identify.own_path import own_poses, set_values
 
@@ -31,6 +32,20 @@ def fit(known):
 def evidence(time_s, linear, angular) -> Evidence:
     ones = np.ones(len(time_s))
     return Evidence(time_s, ones, 0 * ones, 1e-4 * ones, 1e-5 * ones, time_s, linear, angular)
+
+
+@pytest.mark.parametrize("bit", [40, 50, 61])
+def test_a_stamp_with_a_changed_bit_does_not_belong_to_the_run(bit):
+    """2^40 us are 12 days, and 2^50 us 36 years: a grid over them would need terabytes."""
+    utime_us = 1_764_000_000_000_000 + 33_333 * np.arange(300)
+    utime_us[[0, 100, 299]] ^= 1 << bit
+    belongs = _together(utime_us)
+    assert np.flatnonzero(~belongs).tolist() == [0, 100, 299]
+    assert _together(utime_us[:0]).tolist() == []
+
+
+def test_a_pause_of_half_an_hour_belongs_to_the_run():
+    assert _together(np.array([0, 33_333, 1800_000_000, 1800_033_333])).all()
 
 
 def test_the_own_path_is_that_of_the_simulators_robot():

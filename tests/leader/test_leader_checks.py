@@ -76,6 +76,38 @@ def test_a_folded_edge_is_no_overlap():
     assert not bad(findings(tag(0), tag(1, position_m=(-0.2 + s, 0.1 + c, 0.25), facing_deg=135.0)))
 
 
+def three_faces(size_m):
+    """data/leaders/three_faces.yaml with other sizes: folded by 50 degrees, 5 mm a fold, sheets of 10/8 of the size."""
+    places = [((-0.2, 0.0, 0.25), 180.0), ((-0.1196, 0.1675, 0.25), 130.0), ((-0.1196, -0.1675, 0.25), -130.0)]
+    return [tag(k, size_m, place, facing_deg) for k, (place, facing_deg) in enumerate(places)]
+
+
+def test_sizes_that_are_too_large_for_the_places_of_folded_faces_contradict_them():
+    """176 mm where 160 are right. The planes meet 0.100 m and 0.105 m from the two centres, and the sheets need 0.11 m
+    each: they meet with 0.205 / 0.22 of 176 mm, which is 164 mm (160 mm, and folds of 5 mm)."""
+    found = said(findings(*three_faces(0.176)), Level.warning)
+    assert len(found) == 2  # of the rear face and either side
+    assert all("contradict" in text and "0.164 m instead of 0.176 m" in text and "ruler" in text for text in found)
+
+
+def test_sizes_that_are_too_small_for_the_places_of_folded_faces_are_noted():
+    """144 mm: sheets of 0.18 m, so 0.205 - 0.18 = 25 mm lie between two of them."""
+    found = [text for text in said(findings(*three_faces(0.144)), Level.note) if "contradict" in text]
+    assert len(found) == 2
+    assert all("25 mm between the sheets" in text and "0.164 m instead of 0.144 m" in text for text in found)
+
+
+@pytest.mark.parametrize("size_m", [0.156, 0.16, 0.163])
+def test_folds_of_some_millimetres_are_no_contradiction(size_m):
+    assert not any("contradict" in finding.text for finding in findings(*three_faces(size_m)))
+
+
+def test_faces_that_are_meant_to_be_apart_are_no_contradiction():
+    """A rear tag and one on the side of a box, 0.3 m from the edge; and two at different heights."""
+    assert not any("contradict" in finding.text for finding in findings(tag(0), tag(1, 0.1, (0.1, 0.2, 0.25), 90.0)))
+    assert not any("contradict" in finding.text for finding in findings(tag(0), tag(1, 0.16, (-0.1, 0.1, 0.9), 90.0)))
+
+
 def test_overlap_of_random_sheets_is_that_of_their_points():
     """Oracle: a grid of points on one sheet, pulled to both sides of the other's plane, is somewhere inside of it."""
     random = np.random.default_rng(1)

@@ -1,10 +1,14 @@
 """Children are never left behind, and what they said last is in the error."""
 
+import contextlib
 import gc
 import os
+import shutil
 import signal
 import socket
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -38,6 +42,52 @@ def test_a_child_is_terminated_also_when_the_block_fails(tmp_path):
     with pytest.raises(ZeroDivisionError), python("import time; time.sleep(600)", tmp_path) as child:
         raise ZeroDivisionError
     assert child.process.returncode is not None
+
+
+def processes_of_this_test(word):
+    """Numbers of the processes that have the word in their command lines."""
+    found = []
+    for file in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):  # it has ended in between
+            if word.encode() in file.read_bytes().split(b"\0"):
+                found.append(int(file.parent.name))
+    return found
+
+
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="no setpriv (util-linux)")
+@pytest.mark.parametrize("way", ["a program", "a worker of Python's own"])
+def test_a_child_ends_also_when_its_parent_is_killed(tmp_path, way):
+    """SIGKILL leaves the parent no time. The child is known by a word of its own in its command line or name."""
+    mark = f"mark-{os.getpid()}-{way.replace(' ', '-').replace(chr(39), '')}"
+    if way == "a program":
+        script = "import sys\nfrom pathlib import Path\nfrom pilotfish.harness.child import Child\n"
+        script += (
+            f"with Child([sys.executable, '-c', 'import time; time.sleep(600)', {mark!r}], Path('.'), 'c') as child:\n"
+        )
+        script += "    print(child.process.pid, flush=True); child.process.wait()\n"
+    else:
+        script = (
+            "import os, sys, subprocess\nwords = 'from pilotfish.end_with_parent import end_with_parent as end; '\n"
+        )
+        script += "words += f'end({os.getpid()}); print(1, flush=True); import time; time.sleep(600)'\n"
+        script += f"child = subprocess.Popen([sys.executable, '-c', words, {mark!r}], stdout=subprocess.PIPE)\n"
+        script += "child.stdout.readline(); print(child.pid, flush=True); child.wait()\n"
+    with subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path, stdout=subprocess.PIPE, text=True) as parent:
+        child = int(parent.stdout.readline())
+        deadline = time.monotonic() + 30.0
+        while child not in processes_of_this_test(mark) and time.monotonic() < deadline:  # it has become the program
+            time.sleep(0.01)
+        assert child in processes_of_this_test(mark)
+        parent.kill()
+    while child in processes_of_this_test(mark) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert child not in processes_of_this_test(mark)
+
+
+def test_a_worker_whose_parent_is_gone_already_ends_at_once():
+    script = "from pilotfish.end_with_parent import end_with_parent\nend_with_parent(-1)\nprint('never said')"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (-15, "")
 
 
 def test_a_child_that_ends_too_early_is_an_error_with_its_last_output(tmp_path):

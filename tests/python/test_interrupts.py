@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM, before a command has begun, while it works and when it has ended."""
+"""Ctrl-C, SIGTERM and SIGHUP, before a command has begun, while it works and when it has ended."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ BEGIN = """
 import signal, sys, time, types
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGTERM, signal.SIG_DFL)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 def command():
 {command}
 cli = types.ModuleType("pilotfish.cli")
@@ -53,14 +54,14 @@ def outcome(process):
     return process.returncode, stdout, stderr
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_command_cleans_up_and_ends_with_the_signal_s_code(number, code):
     with running("try:\n  print('begun', flush=True); time.sleep(60)\nfinally: print('cleaned up')") as process:
         process.send_signal(number)
         assert outcome(process) == (code, "cleaned up\n", "")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_bounce_does_not_break_into_the_cleaning_up(number):
     """The second one comes while the first is being handled, which is known because the command says so."""
     command = "try:\n  print('begun', flush=True); time.sleep(60)\n"
@@ -91,7 +92,7 @@ def test_what_a_module_of_c_plus_plus_makes_of_an_interrupt_is_no_traceback():
         assert outcome(process) == (130, "", "")
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_an_interrupt_within_a_text_that_is_run_ends_it_with_the_same_code(tmp_path, number, code):
     """Then `python -m` would end itself by SIGINT, whichever signal it was."""
     with running("exec('print(\\'begun\\', flush=True); import time; time.sleep(60)')", tmp_path) as process:
@@ -132,7 +133,7 @@ def test_an_interrupt_after_the_end_prints_nothing():
         assert outcome(process) == (130, "", "")
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_what_comes_while_python_is_taken_down_changes_nothing(number):
     """Its handlers are gone by then, and the system's would end it: the code of a command that is done is its own."""
     command = "import os\nclass Late:\n  def __del__(self, write=os.write, read=os.read):\n"
@@ -166,10 +167,11 @@ def test_ctrl_c_while_modules_are_imported_ends_quietly_with_130(tmp_path):
         assert running.stderr.read() == b""
 
 
-def test_an_interrupt_that_is_ignored_stays_ignored(tmp_path):
+@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
+def test_an_interrupt_that_is_ignored_stays_ignored(name):
     """As under nohup: the command goes on to its end."""
-    script = "import signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); sys.argv = ['pilotfish', '--version']\n"
-    script += "from pilotfish.__main__ import main\ntry: main()\n"
-    script += "finally: assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN"
+    script = f"import signal, sys; number = signal.{name}; signal.signal(number, signal.SIG_IGN)\n"
+    script += "sys.argv = ['pilotfish', '--version']\nfrom pilotfish.__main__ import main\ntry: main()\n"
+    script += "finally: assert signal.getsignal(number) is signal.SIG_IGN"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stderr) == (0, "")

@@ -221,3 +221,11 @@ def test_each_mistake_has_its_exit_code(url, key_file):
     assert "chmod 600" in said
     with pytest.raises(ConfigError, match="key_file"):
         Operator("robot1", lcm_url=url, key_file=key_file.parent / "nowhere")
+
+
+@pytest.mark.parametrize("words", [["stop"], ["go"], ["resume"], ["setpoint", "--distance-m", "1"]])
+@pytest.mark.parametrize("name", ["a b", "", "../x", "größe"])
+def test_what_is_no_robots_name_is_a_wrong_command_line(url, words, name):
+    code, said = run(*words, "--lcm-url", url, "--", name)
+    assert code == 64
+    assert "1 to 32 letters" in said

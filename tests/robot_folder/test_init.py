@@ -145,6 +145,50 @@ def test_a_folder_in_a_home_is_readable_for_its_service_and_homes_are_hidden_oth
 
 def test_words_with_a_meaning_to_systemd_are_escaped():
     assert units.quoted(Path("/srv/50% of it")) == r"/srv/50%%\x20of\x20it"
+    assert units.quoted(Path("/srv/$HOME \\")) == r"/srv/$$HOME\x20\\"
+    assert units.document_url(Path("/srv/größe 1")) == "file:/srv/gr%%C3%%B6%%C3%%9Fe%%201"
+
+
+STRANGE = [
+    "it's",
+    'say "x"',
+    "größe 雪",
+    "do$HOME",
+    "${x}",
+    "50%h",
+    "back\\slash",
+    "semi; colon",
+    "-dash",
+    "#[*]?{}&|<>",
+]
+
+
+def test_systemd_finds_a_program_and_a_page_at_a_strange_place(tmp_path):
+    """`verify` says of a program that it is not there or cannot be executed, and of a page that it is no URL."""
+    files = []
+    for k, name in enumerate(STRANGE):
+        program = tmp_path / name / "program"
+        program.parent.mkdir()
+        program.write_text("#!/bin/sh\n")
+        program.chmod(0o755)
+        service = units.Service("r", program.parent, program, program.parent / "r.yaml", "daemon", "daemon")
+        files.append(tmp_path / f"pilotfish-r{k}.service")
+        files[-1].write_text(units.base_unit(service))
+    files.append(tmp_path / "pilotfish-nowhere.service")  # and of one that is not there it does say so
+    files[-1].write_text(files[STRANGE.index("do$HOME")].read_text().replace("/program", "/nowhere"))
+    done = subprocess.run(["systemd-analyze", "verify", *files], capture_output=True, text=True, timeout=60)
+    said = [line for line in done.stderr.splitlines() if "pilotfish-" in line and "Command 'man " not in line]
+    assert [line for line in said if "nowhere" not in line] == []
+    assert any("nowhere" in line and "not executable" in line for line in said)
+
+
+@pytest.mark.parametrize("name", ["new\nline", "tab\there", "bell\x07", "latin1\udce9"])
+def test_a_folder_that_no_unit_can_name_is_refused_and_nothing_is_left(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    code, said = run("init", "r", "--dir", name)
+    assert code == 64, said
+    assert "systemd unit" in said
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_services_run_as_who_was_asked_for(tmp_path):

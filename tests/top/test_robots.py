@@ -86,6 +86,15 @@ def test_a_restarted_coordinator_counts_from_0():
     assert state.row(1.0).rising == {"pose": 2}
 
 
+def test_two_coordinators_that_take_turns_each_count_for_themselves():
+    """1000 and 7 commands of the other one before one looked; each counts 10 more, one with each of its messages."""
+    state = RobotState("robot1")
+    for k in range(11):
+        state.receive(received(status(session=7, rival_commands=1000 + k), 0.2 * k))
+        state.receive(received(status(session=8, rival_commands=7 + k), 0.2 * k + 0.1))
+    assert state.row(2.2).rising == {"rival_commands": 20}
+
+
 def test_changes_of_status_and_reason_are_events_and_repetitions_are_none():
     state = state_of(
         received(status(), 0.0),

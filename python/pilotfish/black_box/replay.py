@@ -10,7 +10,8 @@ from pilotfish import core
 from pilotfish.black_box import causes, messages
 from pilotfish.black_box.exact_text import answer_text, held_text, observation_text
 from pilotfish.black_box.log import Damage, Event
-from pilotfish.coordinator import Coordinator, CoordinatorFile, StepResult, load_bundle, step_values
+from pilotfish.black_box.recorded_config import recorded_config
+from pilotfish.coordinator import Coordinator, CoordinatorFile, StepResult, step_values
 from pilotfish.lcmtypes.bot_core import image_t
 from pilotfish.lcmtypes.pilotfish import box_start_t, measurement_t, observation_t, sent_t, status_t, step_t
 
@@ -78,7 +79,8 @@ def replay(
     on_progress: Callable[[int, int | None], None] | None = None,
 ) -> ReplayReport:
     """Every command is recomputed from the recorded calls; with ``from_pixels`` every observation as well, as far as
-    there are the pictures that were seen. ConfigError of the recorded configuration comes out as ValueError."""
+    there are the pictures that were seen. ConfigError if this program refuses the recorded configuration,
+    RecordingError if that is damaged."""
     run = _Run(from_pixels)
     handlers = {"_BOX": run.start, "_STEP": run.step, "_SENT": run.sent}
     for count, event in enumerate(events):
@@ -142,7 +144,7 @@ class _Run:
         self.report.starts += 1
         if message.program not in self.report.programs:
             self.report.programs.append(message.program)
-        self._core = Coordinator(self._config_of(message).coordinator)
+        self._core = Coordinator(self._config_of(event, message).coordinator)
         recorded = (bytes(message.decisions), bytes(message.vision))
         if message.sequence == 0 and self._core.memory != recorded:
             self._differs(
@@ -234,11 +236,11 @@ class _Run:
             else:
                 self._differs(event, "what the sender held", f"sent at {message.now_us} us", held_text(held), "never")
 
-    def _config_of(self, message: box_start_t) -> CoordinatorFile:
+    def _config_of(self, event: Event, message: box_start_t) -> CoordinatorFile:
         key = b"".join(bytes(file.data) + file.role.encode() for file in message.files)
         key += "\n".join(message.overrides).encode()
         if self._config[1] is None or self._config[0] != key:
-            self._config = (key, load_bundle(messages.bundle_of(message)))
+            self._config = (key, recorded_config(event, message))
         return self._config[1]
 
     def _compare_memory(self, event: Event, message: box_start_t) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shlex
 import sys
 import time
@@ -33,7 +34,7 @@ from rich.segment import Segment
 from rich.table import Table
 
 from pilotfish.cli.progress_lines import progress_lines
-from pilotfish.errors import MissingFileError, PilotfishError
+from pilotfish.errors import ConfigError, MissingFileError, PilotfishError
 from pilotfish.printable import printable
 
 
@@ -69,7 +70,7 @@ class SysexitsGroup(typer.core.TyperGroup):
         except typer.BadParameter as error:
             if error.message.endswith(_NOT_THERE):
                 with friendly_errors():  # one line and the code of a file that is not there, whoever looks for it
-                    raise MissingFileError(_of_option(error.param) + error.message) from error
+                    raise MissingFileError(_of_option(error.param) + _or_a_link(error.message)) from error
             error.message = _said_plainly(error.message, error.param, words)
             raise
 
@@ -77,6 +78,20 @@ class SysexitsGroup(typer.core.TyperGroup):
 def _of_option(param: Any) -> str:
     """Which option it is; nothing of an argument, whose message says "file 'x'" by itself."""
     return f"{'/'.join(param.opts)}: " if param.param_type_name == "option" else ""
+
+
+def _or_a_link(message: str) -> str:
+    """Of what does not exist: that it is there as a link, which leads nowhere or in a circle."""
+    named = re.search(r"'(.+)' does not exist", message)
+    if named is None or not os.path.islink(named[1]):  # noqa: PTH114
+        return message
+    try:
+        Path(named[1]).stat()
+    except OSError as error:
+        circle = error.errno == errno.ELOOP
+        where = "in a circle" if circle else f"to {os.readlink(named[1])}, which is not there"  # noqa: PTH115
+        return f"'{named[1]}' is a symbolic link that leads {where}."
+    return message
 
 
 def _said_plainly(message: str, param: Any, words: list[str]) -> str:
@@ -193,7 +208,7 @@ def friendly_errors() -> Iterator[None]:
         yield
         _flush()
     except PilotfishError as error:
-        _say(str(error))
+        _say(_with_meant_key(error))
         raise typer.Exit(error.exit_code) from error
     except OSError as error:
         if error.errno is None:
@@ -203,6 +218,14 @@ def friendly_errors() -> Iterator[None]:
         where = error.filename if error.filename is not None else "cannot write"  # standard output, or a full disk
         _say(f"{where}: {error.strerror}")
         raise typer.Exit(IO_ERROR) from error
+
+
+def _with_meant_key(error: PilotfishError) -> str:
+    if not isinstance(error, ConfigError):
+        return str(error)
+    from pilotfish.config_message import with_meant_key
+
+    return with_meant_key(str(error))
 
 
 def run(app: typer.Typer) -> int:

@@ -13,6 +13,7 @@ from pilotfish.doctor.following.evidence import Numbers
 from pilotfish.reason_words import reason_text
 
 _MOST_COUNTERS = 8
+_SPREAD_M = 0.02
 
 
 def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
@@ -25,13 +26,14 @@ def print_diagnosis(diagnosis: Diagnosis, console: Console) -> None:
     for note in diagnosis.notes:
         print_finding(console, [("-", 2, "yellow")], note.what, note.do)
     if diagnosis.evidence:
+        driver = diagnosis.base_here.driver if diagnosis.base_here else ""
         console.print()
-        for name, text in [*figures(diagnosis.evidence), *_computer(diagnosis)]:
+        for name, text in [*figures(diagnosis.evidence, driver), *_computer(diagnosis)]:
             print_finding(console, [(name, 16, "dim")], text)
 
 
-def figures(seen: Evidence) -> list[tuple[str, str]]:
-    """Pure: what was measured, a line each."""
+def figures(seen: Evidence, driver: str = "") -> list[tuple[str, str]]:
+    """Pure: what was measured, a line each. ``driver``: of the wheels' process, if it is known."""
     looked = seen.frame_rate_hz > 0.0  # else there was nothing to measure
     rows = [
         ("status", _shares(seen.status_shares)),
@@ -43,8 +45,9 @@ def figures(seen: Evidence) -> list[tuple[str, str]]:
         ("latency", looked * (_milliseconds(seen.latency_s, 1000.0) + _counted_from(seen))),
         ("vision", looked * _milliseconds(seen.processing_ms, 1.0)),
         ("distance error", _error(seen)),
+        ("bearing", _bearing(seen)),
         ("commanded", _commanded(seen)),
-        ("wheels", _wheels(seen)),
+        ("wheels", _wheels(seen, driver)),
         ("counters rose", _counters(seen.counters_risen)),
         ("of the wheels", _counters(seen.base_counters_risen)),
     ]
@@ -90,7 +93,9 @@ def _error(seen: Evidence) -> str:
     if not math.isfinite(seen.error_last_m):
         return ""
     wanted = f" (wanted {seen.setpoint_distance_m:.2f} m)"
-    return f"{_signed(seen.error_first_m)} at first, {_signed(seen.error_last_m)} at last{wanted}"
+    low, high = seen.swing.lowest_m, seen.swing.highest_m
+    between = f", between {_signed(low)} and {_signed(high)}" if high - low >= _SPREAD_M else ""
+    return f"{_signed(seen.error_first_m)} at first, {_signed(seen.error_last_m)} at last{between}{wanted}"
 
 
 def _signed(error_m: float) -> str:
@@ -100,15 +105,30 @@ def _signed(error_m: float) -> str:
     return f"{1000 * abs(error_m):.0f} mm too {'far' if error_m < 0 else 'close'}"
 
 
+def _bearing(seen: Evidence) -> str:
+    """theta, positive: to the left."""
+    first, last, wanted = seen.sight.bearing_first_rad, seen.sight.bearing_last_rad, seen.setpoint_bearing_rad
+    if not all(map(math.isfinite, (first, last, wanted))):
+        return ""
+    first_deg, last_deg, wanted_deg = map(math.degrees, (first, last, wanted))
+    return f"{first_deg:.1f} deg at first, {last_deg:.1f} deg at last (wanted {wanted_deg:.1f} deg)"
+
+
 def _commanded(seen: Evidence) -> str:
-    speed = seen.commanded_mps
-    return f"median {speed.median:.2f} m/s, at most {speed.maximum:.2f} m/s" if speed.count else ""
+    speed, turn, (least, most) = seen.commanded_mps, seen.commanded_radps, seen.commanded_range_mps
+    if not speed.count:
+        return ""
+    turning = f"; turns median {turn.median:.2f} rad/s, at most {turn.maximum:.2f} rad/s" if turn.count else ""
+    return f"median {speed.median:.2f} m/s, from {least:.2f} to {most:.2f} m/s{turning}"
 
 
-def _wheels(seen: Evidence) -> str:
+def _wheels(seen: Evidence, driver: str) -> str:
     if not seen.base_state:
-        return "no pilotfish-base on the bus"
-    return seen.base_text if seen.base_text.startswith(seen.base_state) else f"{seen.base_state} {seen.base_text}"
+        others = ", ".join(sorted(seen.other_bases))
+        return "no pilotfish-base of it on the bus" + (f", but of {others}" if others else "")
+    said = seen.base_text if seen.base_text.startswith(seen.base_state) else f"{seen.base_state} {seen.base_text}"
+    dry = "dry_run: no wheels turn" if driver == "dry_run" else driver
+    return f"{said} (driver {dry})" if driver else said
 
 
 def _counters(risen: dict[str, int]) -> str:

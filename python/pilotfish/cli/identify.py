@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
-from pilotfish.cli.console import byte_progress, friendly_errors, print_whole, tell, warn, working
+from pilotfish.cli.console import byte_progress, friendly_errors, print_whole, tell, warn, warn_of_losses, working
 from pilotfish.cli.options import between
 from pilotfish.cli.outputs import output_file, output_picture
 from pilotfish.errors import RecordingError
@@ -81,6 +81,7 @@ def identify(
             check_recorded(log, robot, commands=True)
         with byte_progress("reading") as step:
             run = read_run(log, robot, step)
+        warn_of_losses(run.losses)
         one = _only(log, run.recorded_coordinators())
         said = settings_numbers(one.last_settings)
         if len(one.settings) > 1:

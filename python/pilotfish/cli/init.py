@@ -49,6 +49,7 @@ def init(
     place = folder or Path(name)
     with friendly_errors():
         _check_words(name, source, user)
+        _check_place(place)
         writable_folder(place)
         files = create(name, place, Options(source, calibration, leader, user))
         for file in files:
@@ -57,6 +58,14 @@ def init(
             warn("services have a /tmp of their own and cannot see this folder: choose another --dir for them")
         tell(f"\nstep by step: {place / 'README.md'}")
         tell_next("is everything there?", "pilotfish", "doctor", "--config", place / f"{name}.yaml")
+
+
+def _check_place(place: Path) -> None:
+    """Its units name it, and the folder that this command runs in may be part of that."""
+    from pilotfish.robot_folder.units import unusable
+
+    if problem := unusable(place.absolute()):
+        raise typer.BadParameter(f"--dir: {problem}: choose another folder")
 
 
 def _check_words(name: str, source: str, user: str | None) -> None:

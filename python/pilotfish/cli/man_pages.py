@@ -31,6 +31,7 @@ EXIT_STATUS = {
     70: "A robot answers and does not comply.",
     74: "What cannot be written.",
     78: "A configuration, leader or calibration is wrong; the message names the key.",
+    129: "SIGHUP: its terminal was closed, its connection lost.",
     130: "Ctrl-C.",
     141: "A pipe without a reader.",
     143: "SIGTERM.",

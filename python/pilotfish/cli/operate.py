@@ -149,8 +149,13 @@ def _check_bearing(bearing_deg: float | None) -> None:
 
 
 def _operator(robot: str, lcm_url: str, key: Path | None) -> Operator:
+    from pilotfish.bus import channel
     from pilotfish.operating import Operator
 
+    try:
+        channel(robot, "STATUS")
+    except ConfigError as error:  # the command line's, not a file's
+        raise typer.BadParameter(f"ROBOT: {error}") from None
     return Operator(robot, lcm_url=lcm_url, key_file=key)
 
 

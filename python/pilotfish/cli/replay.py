@@ -49,6 +49,8 @@ def replay(
             with byte_progress("replaying") as step:
                 events = events_of(files, 0, size_of(files), step)
                 report = compute(events, from_pixels=from_pixels)
+        except RecordingError:
+            raise
         except ValueError as error:  # of the bindings; the recorded configuration is not one of this program
             raise ConfigError(f"{log}: {error}") from error
         console.print(_table(report, from_pixels))

@@ -182,9 +182,12 @@ app.command()(sensitivity)
 app.command()(report)
 
 
+_ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
 @contextmanager
 def _stopping() -> Iterator[list[int]]:
-    """The signal (Ctrl-C, SIGTERM) that came first, once one has come. A second one, no bounce, ends at once."""
+    """The signal (Ctrl-C, SIGTERM, SIGHUP) that came first, once one has come. A second, no bounce, ends at once."""
     came: list[int] = []
     ends_from_s = [0.0]
 
@@ -200,7 +203,8 @@ def _stopping() -> Iterator[list[int]]:
     if threading.current_thread() is not threading.main_thread():
         yield came
         return
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    heard = [number for number in _ENDING if signal.getsignal(number) is not signal.SIG_IGN]  # else: under nohup
+    before = {number: signal.signal(number, stop) for number in heard}
     try:
         yield came
     except KeyboardInterrupt:

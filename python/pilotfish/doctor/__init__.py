@@ -9,7 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pilotfish.doctor import bus_checks, camera, devices, network, ports, programs, system, tools, wheel_limits
+from pilotfish.doctor import (
+    bus_checks,
+    camera,
+    devices,
+    network,
+    ports,
+    programs,
+    robot_files,
+    system,
+    tools,
+    wheel_limits,
+)
 from pilotfish.doctor.finding import Finding, Verdict, note
 from pilotfish.doctor.following.setup import Setup
 from pilotfish.doctor.host import Host
@@ -59,6 +70,7 @@ def examine(
     look("firewall", lambda: system.check_firewall(host))
     look("camera", lambda: devices.check_cameras(host))
     if setup:
+        look("robot's files", lambda: robot_files.check_robot_files(setup))
         look(wheel_limits.CHECK, lambda: wheel_limits.check_wheel_limits(setup.file))
         look("camera of the robot", lambda: camera.check_camera(host, setup))
     look("serial line", lambda: devices.check_serial_lines(host))

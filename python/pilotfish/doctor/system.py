@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import re
 import resource
+import shlex
+import sys
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from pilotfish.doctor.finding import Finding, note, ok, wrong
@@ -98,7 +101,19 @@ def check_firewall(host: Host) -> Finding:
         return ok("firewall", f"only this host can send; {_dropped(shown.stdout)} packets of others dropped")
     if "permitted" in shown.stderr:
         return note("firewall", "only root can read the rules", "sudo nft list table inet pilotfish")
-    return note("firewall", "every host on the network can send to the bus", f"sudo nft -f {RULES}")
+    return note("firewall", "every host on the network can send to the bus", _let_only_this_host(host))
+
+
+def _let_only_this_host(host: Host, near: Sequence[Path] | None = None) -> str:
+    """The command with the rules that are there: the package's, or a clone's, above one of the files ``near``; else
+    where they are written."""
+    if host.path(RULES).is_file():
+        return f"sudo nft -f {RULES}"
+    for start in near if near is not None else (Path(__file__).resolve(), Path(sys.prefix)):
+        for folder in start.parents:
+            if (rules := folder / "packaging/nftables/pilotfish.nft").is_file():
+                return f"sudo nft -f {shlex.quote(str(rules))}"
+    return "docs/operating-guide.md, 'LCM on your machine', has the rules for nft; the Debian package brings them"
 
 
 def _dropped(rules: str) -> int:

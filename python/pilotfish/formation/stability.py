@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from pilotfish.deaf_children import deaf_children
+from pilotfish.end_with_parent import end_with_parent
 from pilotfish.errors import ConfigError, UsageError
 from pilotfish.formation.chain import chain_of, drive_chain
 from pilotfish.formation.relay import Network
@@ -191,7 +192,8 @@ def _answers(tasks, trial: Trial, jobs: int | None, on_progress: OnProgress | No
         return
     # The longest first; "spawn", because threads of the parent do not survive a fork.
     ordered = sorted(tasks, key=lambda task: task[2] or 1.0)
-    with ProcessPoolExecutor(min(count, len(tasks)), mp_context=get_context("spawn")) as pool:
+    here = {"initializer": end_with_parent, "initargs": (os.getpid(),)}
+    with ProcessPoolExecutor(min(count, len(tasks)), mp_context=get_context("spawn"), **here) as pool:  # type: ignore[arg-type]
         try:
             with deaf_children():  # an interrupt that came meanwhile is raised on leaving it
                 futures: dict[Future, Any] = {pool.submit(_run, task, trial): task for task in ordered}

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
 
+from pilotfish.end_with_parent import ending_with_parent
 from pilotfish.errors import HarnessError
 from pilotfish.held_interrupts import HeldInterrupts
 
@@ -20,7 +21,8 @@ _POLL_S = 0.02
 
 class Child:
     """``with Child([...], folder, "robot1") as child:`` - on leaving, SIGTERM, and SIGKILL if that is not heeded, or if
-    there is an interrupt meanwhile. One that is dropped without having been left is killed.
+    there is an interrupt meanwhile. One that is dropped without having been left is killed. It ends with this process,
+    too, also if that is killed.
 
     No wait is without end, and an interrupt at any moment leaves nothing half done: ask ``poll`` and ``wait`` here, not
     those of ``process``.
@@ -31,8 +33,9 @@ class Child:
         self.name = name
         self.stdout_file = folder / f"{name}.stdout"
         self.stderr_file = folder / f"{name}.stderr"
+        words = ending_with_parent(self.command)
         with HeldInterrupts(), self.stdout_file.open("wb") as stdout, self.stderr_file.open("wb") as stderr:
-            self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
+            self.process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr)
             # Also at the end of Python: an interrupt between here and a `with`, or within an ExitStack, drops it.
             weakref.finalize(self, _kill, self.process)
 

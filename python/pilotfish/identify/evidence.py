@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from pilotfish.recording import Recording
 
 FloatArray = NDArray[np.float64]
 LEAST_FRAMES = 60
+_PAUSE_US = 3600e6
 _STATED_DISTANCE_SIGMA_M, _STATED_BEARING_SIGMA_RAD = 0.03e-3, 0.015e-3  # where a run states none
 
 
@@ -40,7 +42,9 @@ def evidence_of(robot: RobotRun) -> Evidence:
     stands still then."""
     frames, commands = robot.frames, robot.commands
     good = frames["measured"] & np.isfinite(frames["distance_m"]) & np.isfinite(frames["bearing_rad"])
-    epoch = int(frames["utime_us"][0]) if len(frames) else 0
+    plausible = _together(frames["utime_us"])
+    good &= plausible
+    epoch = int(frames["utime_us"][plausible][0]) if plausible.any() else 0
     time_s = (frames["utime_us"] - epoch) * 1e-6
     answered, speed, turn = _answers(robot, epoch)
     if not len(answered):
@@ -95,11 +99,25 @@ def _answers(robot: RobotRun, epoch: int) -> tuple[FloatArray, FloatArray, Float
         keep = np.isfinite(frames["command_linear_mps"])
         at_s = ((frames["utime_us"] - epoch) * 1e-6)[keep]
         speed, turn = frames["command_linear_mps"][keep], frames["command_angular_radps"][keep]
+    near = _together(np.rint(at_s * 1e6))
+    at_s, speed, turn = at_s[near], speed[near], turn[near]
     order = np.argsort(at_s, kind="stable")
     rising = np.append(np.diff(at_s[order]) > 0, True)[: len(order)]
     kept = order[rising]
     finite = np.isfinite(speed[kept]) & np.isfinite(turn[kept])
     return at_s[kept][finite], speed[kept][finite], turn[kept][finite]
+
+
+def _together(utime_us: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which stamps belong to the run: the most that have no more than _PAUSE_US between two of them. A bit that has
+    changed on a disk puts one years away."""
+    if not len(utime_us):
+        return np.zeros(0, bool)
+    order = np.argsort(utime_us, kind="stable")
+    part = np.append(0, np.cumsum(np.diff(utime_us[order].astype(float)) > _PAUSE_US))
+    together = np.zeros(len(utime_us), bool)
+    together[order[part == np.bincount(part).argmax()]] = True
+    return together
 
 
 def _checked(name: str, *columns: FloatArray) -> Evidence:

@@ -11,11 +11,13 @@ import numpy as np
 
 from pilotfish.core import LeaderBody
 from pilotfish.leader.reach import Viewer, reach_of_body, tag_reach
-from pilotfish.leader.sheets import overlap, sheet_of
+from pilotfish.leader.sheets import Sheet, overlap, sheet_of, to_fold_m
 from pilotfish.leader.visibility import Visibility, number_of_planes
 from pilotfish.printing.quantities import millimetres
 
 _TOUCH_M = 0.001  # sheets that are folded or butted touch; leader files are rounded
+_MEET, _APART = 0.06, 0.3  # of half a sheet, from its edge to the fold: more than folds of some millimetres, less than
+# what is meant as a gap
 _INWARD = -0.3  # cosine between where a tag looks and where it sits
 _UPWARD = math.cos(math.radians(75.0))
 _BEHIND_DEG = 180.0
@@ -39,7 +41,14 @@ class Finding:
 
 def check_leader(body: LeaderBody, visibility: Visibility, viewer: Viewer | None = None) -> list[Finding]:
     """All findings, errors first. visibility: as look_all_round makes it; viewer: None if no camera is known."""
-    found = [*_overlaps(body), *_places(body), *_hidden(body, visibility), *_heading(body), *_directions(visibility)]
+    found = [
+        *_overlaps(body),
+        *_folds(body),
+        *_places(body),
+        *_hidden(body, visibility),
+        *_heading(body),
+        *_directions(visibility),
+    ]
     if viewer is not None:
         found += _distances(body, viewer)
     order = list(Level)
@@ -59,7 +68,44 @@ def _overlaps(body: LeaderBody) -> Iterator[Finding]:
             ):
                 yield Finding(Level.warning, f"{which}: one lies in the white border (one cell) that the other needs")
             elif overlap(paper[a].shrunk(_TOUCH_M), paper[b].shrunk(_TOUCH_M)):
-                yield Finding(Level.warning, f"{which}: their white borders (one cell each) overlap; move them apart")
+                sizes = _sizes_that_fit(body, paper, a, b)
+                yield Finding(
+                    Level.warning,
+                    f"{which}: their white borders (one cell each) overlap; "
+                    + (f"size_m and position_m contradict each other: {sizes}" if sizes else "move them apart"),
+                )
+
+
+def _folds(body: LeaderBody) -> Iterator[Finding]:
+    """Faces that nearly meet: were they cut from one sheet, their sizes are smaller than their places say."""
+    paper = [sheet_of(tag, body.family) for tag in body.tags]
+    for b in range(len(paper)):
+        for a in range(b):
+            apart_m = to_fold_m(paper[a], paper[b])
+            if apart_m is None:
+                continue
+            if all(_MEET < apart / paper[k].half_m - 1.0 < _APART for k, apart in zip((a, b), apart_m, strict=True)):
+                gap_m = sum(apart_m) - paper[a].half_m - paper[b].half_m
+                yield Finding(
+                    Level.note,
+                    f"tags {body.tags[a].id} and {body.tags[b].id}: {1000 * gap_m:.0f} mm between the sheets of two "
+                    f"faces that fold; if they are one folded sheet, size_m and position_m contradict each other: "
+                    f"{_sizes_that_fit(body, paper, a, b)}",
+                )
+
+
+def _sizes_that_fit(body: LeaderBody, paper: list[Sheet], a: int, b: int) -> str:
+    """Sizes with which two faces would meet at their fold, and what to measure; empty for faces that do not fold."""
+    apart_m = to_fold_m(paper[a], paper[b])
+    if apart_m is None:
+        return ""
+    share = sum(apart_m) / (paper[a].half_m + paper[b].half_m)
+    sizes_m = sorted({tag.size_m for tag in (body.tags[a], body.tags[b])})
+    fit = " and ".join(f"{share * size_m:.3f} m instead of {size_m:g} m" for size_m in sizes_m)
+    return (
+        f"they would meet with black squares of {fit}, or a little less; measure the black square with a ruler: one "
+        "that is said to be 10 % too large makes every distance 10 % too far"
+    )
 
 
 def _places(body: LeaderBody) -> Iterator[Finding]:

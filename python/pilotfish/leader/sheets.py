@@ -88,6 +88,24 @@ def overlap(a: Sheet, b: Sheet) -> bool:
     return max(first for first, _ in parts) < min(last for _, last in parts)
 
 
+def to_fold_m(a: Sheet, b: Sheet) -> tuple[float, float] | None:
+    """How far each centre is from the line in which the planes of two sheets meet, if an edge of both is parallel to it
+    and they lie beside each other there: two faces of one folded sheet. None for others."""
+    direction = np.cross(a.axes[:, 2], b.axes[:, 2])
+    length = float(np.linalg.norm(direction))
+    if length < np.sin(np.radians(10.0)):
+        return None
+    direction /= length
+    if any(np.abs(direction @ sheet.axes[:, :2]).max() < np.cos(np.radians(3.0)) for sheet in (a, b)):
+        return None
+    if abs(float((b.centre_m - a.centre_m) @ direction)) > min(a.half_m, b.half_m):
+        return None  # one is above the other
+    offsets = [a.axes[:, 2] @ a.centre_m, b.axes[:, 2] @ b.centre_m, direction @ a.centre_m]
+    point = np.linalg.solve(np.array([a.axes[:, 2], b.axes[:, 2], direction]), offsets)
+    away = [(sheet.centre_m - point) - direction * ((sheet.centre_m - point) @ direction) for sheet in (a, b)]
+    return float(np.linalg.norm(away[0])), float(np.linalg.norm(away[1]))
+
+
 def _overlap_in_plane(a: Sheet, b: Sheet) -> bool:
     """Two squares in one plane overlap unless one of their four edge directions separates them (separating axes)."""
     for axes in (a.axes, b.axes):

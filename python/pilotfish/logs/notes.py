@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
+from pilotfish.logs.flipped_channels import flipped_channels
 from pilotfish.logs.losses import Loss
 
 STAGE_LIMITS_MS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)  # of stage_t
@@ -57,6 +58,7 @@ class RunNotes:
     start_utime: int = 0  # wall clock at the first event [us]: t_s counts from here
     robots: dict[str, RobotNotes] = field(default_factory=dict)
     events: Counter[str] = field(default_factory=Counter)  # by channel
+    channels_of: dict[str, set[str]] = field(default_factory=dict)  # by robot: where its messages came from
     cameras: Counter[str] = field(default_factory=Counter)  # events with images, by whose camera it is
     losses: list[Loss] = field(default_factory=list)  # damaged places, in the order of the files
     unreadable: int = 0  # events on our channels that are no messages of these types
@@ -64,7 +66,18 @@ class RunNotes:
     @property
     def loss_texts(self) -> list[str]:
         """What is lost, for people."""
-        return [loss.text(self.start_utime) for loss in self.losses]
+        flipped = flipped_channels(self.events)
+        of_names = []
+        if flipped:
+            shown = ", ".join(f"{channel!r} for {meant}" for channel, meant in list(flipped.items())[:3])
+            more = f" and {len(flipped) - 3} more" if len(flipped) > 3 else ""
+            of_names = [f"{len(flipped)} messages have a damaged channel's name, and are left out: {shown}{more}"]
+        return [*(loss.text(self.start_utime) for loss in self.losses), *of_names]
+
+    def nobodys(self) -> set[str]:
+        """Robots that are known only by channels with a damaged name."""
+        flipped = flipped_channels(self.events)
+        return {robot for robot, channels in self.channels_of.items() if channels <= flipped.keys()}
 
     def of(self, robot: str) -> RobotNotes:
         """Made when it is asked for."""

@@ -29,7 +29,8 @@ def read_run(
         if row.robot not in growing:
             growing[row.robot] = {name: GrowingTable(columns) for name, columns in TABLES.items()}
         growing[row.robot][row.table].append(row.values)
-    robots = [_robot(tables, notes.of(name)) for name, tables in growing.items()]
+    nobodys = notes.nobodys()
+    robots = [_robot(tables, notes.of(name)) for name, tables in growing.items() if name not in nobodys]
     robots.sort(key=lambda one: (not len(one.frames), one.name))
     return Run(
         path=Path(path),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,17 @@ _FIRST_COMMANDS = 20  # a recorder that is ready a second after the program has 
 _WORDS = {column.name: column for column in (*FRAMES, *COMMANDS) if column.words}
 
 
+@dataclass
+class _Session:
+    """What one coordinator has counted since its start."""
+
+    counted: dict[str, int] = field(default_factory=dict)
+    staged: dict[str, Stage] = field(default_factory=dict)
+    next_call: int = NONE
+    box_losses: int = 0
+    last_counter: int = 0
+
+
 class RobotSift:
     """``take`` a message, get the rows that are complete by then."""
 
@@ -37,14 +49,11 @@ class RobotSift:
         self._began: tuple[int, int] | None = None  # session and when it was first heard, until its beginning is known
         self._statuses_before = 0  # the first command of this session
         self._file = Path()
-        self._counted: dict[str, int] = {}  # of this session
-        self._staged: dict[str, Stage] = {}
-        self._settled: tuple[dict[str, int], dict[str, Stage]] = ({}, {})  # of all sessions before
         self._late = False  # this session was running before the recording began
-        self._next_call = NONE
-        self._box_losses = 0
+        self._of = _Session()  # of the session that speaks
+        self._sessions: dict[int, _Session] = {0: self._of}  # two coordinators of one name take turns
+        self._taking_turns = False
         self._sent: OrderedDict[tuple[int, int], None] = OrderedDict()
-        self._last_counter = 0
         self._last_frame_s = math.nan
 
     def take(self, message: Message) -> list[Row]:
@@ -89,12 +98,12 @@ class RobotSift:
         self._notes.name = message.robot
         self._session_now(log_utime, message.session)
         self._begins(before=message.sequence, of="calls of the core")
-        if self._next_call not in (NONE, message.sequence):
-            self._event(log_utime, "gap", f"{message.sequence - self._next_call} calls are missing")
-        self._next_call = message.sequence
-        if (losses := message.dropped + message.lost) > self._box_losses:
-            self._event(log_utime, "gap", f"the black box has lost {losses - self._box_losses} events")
-        self._box_losses = losses
+        if self._of.next_call not in (NONE, message.sequence):
+            self._event(log_utime, "gap", f"{message.sequence - self._of.next_call} calls are missing")
+        self._of.next_call = message.sequence
+        if (losses := message.dropped + message.lost) > self._of.box_losses:
+            self._event(log_utime, "gap", f"the black box has lost {losses - self._of.box_losses} events")
+        self._of.box_losses = losses
         settings = settings_of(message)
         if settings not in self._notes.settings:
             self._notes.settings.append(settings)
@@ -102,9 +111,9 @@ class RobotSift:
 
     def on_step(self, log_utime: int, message: Any) -> None:
         """A call of the core."""
-        if self._next_call not in (NONE, message.sequence):
-            self._event(log_utime, "gap", f"{message.sequence - self._next_call} calls are missing")
-        self._next_call = message.sequence + 1
+        if self._of.next_call not in (NONE, message.sequence):
+            self._event(log_utime, "gap", f"{message.sequence - self._of.next_call} calls are missing")
+        self._of.next_call = message.sequence + 1
         twist = {"utime_us": message.utime, "linear_mps": message.linear_mps, "angular_radps": message.angular_radps}
         if message.kind == step_t.KIND_FRAME:
             self._frames.step(log_utime, message)
@@ -127,10 +136,10 @@ class RobotSift:
             log_utime, message.setpoint_distance_m, message.setpoint_bearing_rad, bool(message.setpoint_run)
         )
         for counter in message.rejected:
-            if counter.name not in self._counted:
+            if counter.name not in self._of.counted:
                 self._event(log_utime, "counter", f"{counter.name}: {counter.count}, the first in this recording")
-            self._counted[counter.name] = counter.count
-        self._staged |= {stage.name: Stage(list(stage.counts), stage.max_ms) for stage in message.stages}
+            self._of.counted[counter.name] = counter.count
+        self._of.staged |= {stage.name: Stage(list(stage.counts), stage.max_ms) for stage in message.stages}
         self._sum_up()
 
     def on_command(self, log_utime: int, message: Any) -> None:
@@ -175,10 +184,10 @@ class RobotSift:
             self._sent.popitem(last=False)
         self._session_now(log_utime, message.session)
         self._begins(before=message.counter - 1 if message.counter > _FIRST_COMMANDS else 0, of="commands")
-        missing = message.counter - self._last_counter - 1
-        if self._last_counter and missing > 0:
+        missing = message.counter - self._of.last_counter - 1
+        if self._of.last_counter and missing > 0:
             self._event(log_utime, "gap", f"{missing} commands are missing in the recording")
-        self._last_counter = max(self._last_counter, message.counter)
+        self._of.last_counter = max(self._of.last_counter, message.counter)
         values = {name: getattr(message, name) for name in ("session", "counter", "status", "reason")}
         values |= {"linear_mps": message.linear_mps, "angular_radps": message.angular_radps, "utime_us": utime}
         self._rows.append(("commands", {"t_s": self._clock.at(log_utime), "log_utime_us": log_utime} | values))
@@ -209,11 +218,14 @@ class RobotSift:
     def _session_now(self, log_utime: int, session: int) -> None:
         if session in (0, self._session):
             return
-        self._settled = (self._counter_sums(), self._stage_sums())
-        self._counted, self._staged = {}, {}
-        self._session, self._last_counter, self._next_call, self._box_losses = session, 0, NONE, 0
-        self._notes.sessions.append(session)
-        self._began, self._statuses_before = (session, log_utime), 0
+        known = session in self._sessions
+        self._session, self._of = session, self._sessions.setdefault(session, _Session())
+        if not known:
+            self._notes.sessions.append(session)
+            self._began, self._statuses_before = (session, log_utime), 0
+        elif not self._taking_turns:  # said once: they may do so for hours
+            self._taking_turns = True
+            self._event(log_utime, "start", f"two coordinators take turns: session {session} speaks again")
 
     def _begins(self, *, before: int, of: str) -> None:
         """Whether the session that was just heard of started here: ``before`` calls or commands of it are not in the
@@ -231,15 +243,18 @@ class RobotSift:
         self._notes.counters, self._notes.stages = self._counter_sums(), self._stage_sums()
 
     def _counter_sums(self) -> dict[str, int]:
-        before = self._settled[0]
-        names = {**before, **self._counted}
-        return {name: before.get(name, 0) + self._counted.get(name, 0) for name in names}
+        sums: dict[str, int] = {}
+        for session in self._sessions.values():
+            for name, count in session.counted.items():
+                sums[name] = sums.get(name, 0) + count
+        return sums
 
     def _stage_sums(self) -> dict[str, Stage]:
-        sums = dict(self._settled[1])
-        for name, stage in self._staged.items():
-            if (before := sums.get(name)) is not None:
-                counts = [a + b for a, b in zip(before.counts, stage.counts, strict=True)]
-                stage = Stage(counts, max(before.max_ms, stage.max_ms))
-            sums[name] = stage
+        sums: dict[str, Stage] = {}
+        for session in self._sessions.values():
+            for name, stage in session.staged.items():
+                if (before := sums.get(name)) is not None:
+                    counts = [a + b for a, b in zip(before.counts, stage.counts, strict=True)]
+                    stage = Stage(counts, max(before.max_ms, stage.max_ms))
+                sums[name] = stage
         return sums

@@ -105,6 +105,8 @@ class _Sifting:
             self._notes.cameras[robot_of(event.channel, kind)] += 1
             return event
         message = decode(event, kind)
+        if message is not None:
+            self._notes.channels_of.setdefault(message.robot, set()).add(event.channel)
         self._notes.unreadable += message is None
         return message
 

@@ -35,6 +35,8 @@ def planned(name: str, folder: Path, options: Options) -> dict[str, str]:
 
     channel(name, "STATUS")  # ConfigError for what is no name
     folder = Path(os.path.abspath(folder))  # noqa: PTH100 - resolve() would follow links, which may be changed on purpose
+    if problem := units.unusable(folder):
+        raise ConfigError(problem)
     user, group = _user_and_group(options.user)
     calibration, calibration_text = _calibration(options.calibration)
     text = configs.coordinator(name, options.source).replace(

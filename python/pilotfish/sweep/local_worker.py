@@ -6,5 +6,7 @@ import signal
 
 
 def dask_setup(_worker: object) -> None:
-    """A terminal sends Ctrl-C to all processes of a command; the command acts on it, and ends its workers."""
+    """A terminal sends Ctrl-C, and SIGHUP when it is closed, to all processes of a command; the command acts on them,
+    and ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)

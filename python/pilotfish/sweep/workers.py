@@ -109,17 +109,19 @@ def opened(where: Where) -> Iterator[tuple[Any, str | None]]:
 
 @contextmanager
 def _interrupts_ignored() -> Iterator[None]:
-    """A terminal sends Ctrl-C to all processes of a command; this one alone is to act on it, and end the others. What
-    is ignored here is ignored by processes that are started meanwhile, from their first instruction on; local_worker
-    sees to workers that are started again later. Until the workers are up, some seconds, Ctrl-C does nothing."""
+    """A terminal sends Ctrl-C, and SIGHUP when it is closed, to all processes of a command; this one alone is to act on
+    them, and end the others. What is ignored here is ignored by processes that are started meanwhile, from their first
+    instruction on; local_worker sees to workers that are started again later. Until the workers are up, some seconds,
+    both do nothing."""
     if threading.current_thread() is not threading.main_thread():  # has no say in signals
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGHUP)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _close(what: Any) -> None:

@@ -1,4 +1,4 @@
-"""Runs the application on a socket of its own until SIGINT or SIGTERM."""
+"""Runs the application on a socket of its own until SIGINT, SIGTERM or SIGHUP."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def open_socket(host: str, port: int) -> socket.socket:
 
 
 def serve(app: Any, listening: socket.socket, on_ready: Callable[[], None]) -> None:
-    """Returns after SIGINT or SIGTERM; ``on_ready`` is called once pages can be opened."""
+    """Returns after SIGINT, SIGTERM or SIGHUP; ``on_ready`` is called once pages can be opened."""
     uvicorn = require("uvicorn", "view")
     require("websockets", "view")
     from pilotfish.view.http_protocol import make_protocol

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import OrderedDict, deque
 from dataclasses import dataclass, field
 from statistics import median
 from typing import Any
@@ -19,6 +19,8 @@ _FORGOTTEN_S = 60.0  # then another robot may have its place, if there are too m
 _EVENTS = 200
 MOST_ROBOTS = 64
 _MOST_COUNTED = 1000  # names that are remembered to be counted once
+_STARTS_WITHIN_S = 0.25  # no coordinator starts as fast as that: a new session that speaks so soon is another one's
+_MOST_SESSIONS = 8  # of one robot, that take turns
 _MOST_COUNTERS = 256  # of one robot; a coordinator has some 60
 
 _STATUSES = {int(status): name for name, status in Status.__members__.items()}
@@ -77,7 +79,7 @@ class RobotState:
         self._said: tuple[str, str] | None = None
         self._sessions: dict[int, float] = {}  # of commands: when each was heard last
         self._latencies: deque[tuple[float, float]] = deque()  # arrival, of single frames
-        self._counts: dict[str, int] = {}
+        self._counts: OrderedDict[int, dict[str, int]] = OrderedDict()  # by session; the one that spoke last at the end
         self._rises: deque[tuple[float, str, int]] = deque()
         self._unreadable = False
 
@@ -128,19 +130,24 @@ class RobotState:
 
     # --- messages
     def _take_status(self, arrival_s: float, status: Any) -> None:
-        restarted = self._status is not None and status.session != self._status.session
-        if restarted:
-            self._counts.clear()
         known = {printable(counter.name): counter.count for counter in status.rejected}
-        if len(self._counts) > _MOST_COUNTERS:
-            self._counts.clear()
+        before = self._counts.get(status.session)
+        restarted = self._status is not None and arrival_s - self._status_s > _STARTS_WITHIN_S
+        # A counter that is named for the first time counts from 0, unless it may have risen before one looked.
+        whole = "others" not in known and (before is not None or restarted)
+        before = before or {}
+        if len(before) > _MOST_COUNTERS:
+            before = {}
         for name, count in known.items():
-            before = self._counts.get(name, count if self._status is None or "others" in known else 0)
-            if count > before and name != "others":
-                if not any(rise[1] == name for rise in self._rises):
+            rise = count - before.get(name, 0 if whole else count)
+            if rise > 0 and name != "others":
+                if not any(known_rise[1] == name for known_rise in self._rises):
                     self._note(arrival_s, f"{name} rises ({count} by now)")
-                self._rises.append((arrival_s, name, count - before))
-        self._counts |= known
+                self._rises.append((arrival_s, name, rise))
+        self._counts[status.session] = before | known
+        self._counts.move_to_end(status.session)
+        while len(self._counts) > _MOST_SESSIONS:
+            self._counts.popitem(last=False)
         self._status, self._status_s = status, arrival_s
         self._say(arrival_s, status)
 

@@ -15,13 +15,21 @@ from pathlib import Path
 from typing import Any
 
 from pilotfish.bus import DEFAULT_URL
+from pilotfish.doctor.following.base_here import BaseHere, find_base
 from pilotfish.doctor.following.cause import Cause
 from pilotfish.doctor.following.causes import causes
 from pilotfish.doctor.following.evidence import Evidence, collect
 from pilotfish.doctor.following.in_view import DEFAULT_FAMILY, InView, look
 from pilotfish.doctor.following.load import Machine, cpu_times, machine_load
 from pilotfish.doctor.following.no_coordinator import no_coordinator
-from pilotfish.doctor.following.setup import Setup, find_setup, load_setup, running_coordinators, runs_here
+from pilotfish.doctor.following.setup import (
+    Setup,
+    find_setup,
+    load_setup,
+    running,
+    running_coordinators,
+    runs_here,
+)
 from pilotfish.doctor.following.watch import Watched, watch_robot
 from pilotfish.doctor.following.whom import whom
 from pilotfish.doctor.host import Host
@@ -42,6 +50,7 @@ class Diagnosis:
     setup: Setup | None  # None where its configuration is not known
     in_view: InView | None  # None without pictures on the bus
     machine: Machine | None = None  # None unless its coordinator runs on this computer
+    base_here: BaseHere | None = None  # None where the configuration of its wheels' process is not known
 
     @property
     def follows(self) -> bool:
@@ -59,6 +68,8 @@ class Diagnosis:
             "notes": [cause.as_dict() for cause in self.notes],
             "evidence": _plain(asdict(self.evidence)) if self.evidence else None,
             "config": str(self.setup.file) if self.setup else None,
+            "base_config": str(self.base_here.file) if self.base_here else None,
+            "base_driver": (self.base_here.driver or None) if self.base_here else None,
             "machine": asdict(self.machine) if self.machine else None,
             "ids_in_view": list(self.in_view.ids) if self.in_view else None,
         }
@@ -82,27 +93,35 @@ def diagnose(
     watched = watch_robot(robot, url, seconds, on_time)
     machine = machine_load(host, before)
     processes = running_coordinators(host)
-    running = find_setup(robot, url, processes)
-    setup = given or running
-    if given and running and given.file.resolve() == running.file.resolve():
+    found_running = find_setup(robot, url, processes)
+    setup = given or found_running
+    if given and found_running and given.file.resolve() == found_running.file.resolve():
         given = None  # its coordinator is called so by its command line
     if not watched.statuses and not watched.commands:
         found, notes = no_coordinator(watched, url, processes, host), whom(robot, (), given)
         return Diagnosis(robot, seconds, url, found, notes, None, setup, None)
-    return judge(watched, url, setup, machine=machine if runs_here(robot, url, processes) else None, given=given)
+    base_here = find_base(robot, url, running(host, "pilotfish-base"), setup)
+    here = runs_here(robot, url, processes)
+    return judge(watched, url, setup, machine=machine if here else None, base_here=base_here, given=given)
 
 
 def judge(
-    watched: Watched, url: str, setup: Setup | None, *, machine: Machine | None = None, given: Setup | None = None
+    watched: Watched,
+    url: str,
+    setup: Setup | None,
+    *,
+    machine: Machine | None = None,
+    base_here: BaseHere | None = None,
+    given: Setup | None = None,
 ) -> Diagnosis:
     """The diagnosis of what was received of a coordinator; ``machine``: the computer that it runs on, if known;
-    ``given``: as of whom()."""
+    ``base_here``: what its wheels' process is set to, if known; ``given``: as of whom()."""
     evidence = collect(watched, wall_offset_s=time.time() - time.monotonic())
     channel = (setup.image_channel if setup else None) or f"{watched.robot.upper()}_IMAGE"
     in_view = look(watched, channel, setup.family if setup else DEFAULT_FAMILY)
-    found, notes = causes(watched.robot, evidence, setup, in_view, machine)
+    found, notes = causes(watched.robot, evidence, setup, in_view, machine, base_here)
     notes = whom(watched.robot, watched.others, given) + notes
-    return Diagnosis(watched.robot, watched.seconds, url, found, notes, evidence, setup, in_view, machine)
+    return Diagnosis(watched.robot, watched.seconds, url, found, notes, evidence, setup, in_view, machine, base_here)
 
 
 def _plain(value: Any) -> Any:

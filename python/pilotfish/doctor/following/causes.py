@@ -6,6 +6,7 @@ What held only in the first half of the watch is not a cause: it is over.
 
 from __future__ import annotations
 
+from pilotfish.doctor.following.base_here import BaseHere, what_the_base_is_set_to
 from pilotfish.doctor.following.cause import (
     FOLLOWS_SHARE,
     MIN_FRAME_RATE_HZ,
@@ -16,9 +17,10 @@ from pilotfish.doctor.following.cause import (
 from pilotfish.doctor.following.evidence import Evidence
 from pilotfish.doctor.following.in_view import InView
 from pilotfish.doctor.following.load import Machine
+from pilotfish.doctor.following.mounting import bearing_that_stays, how_it_stands, off_the_floor
 from pilotfish.doctor.following.seeing import overloaded, what_is_missing_while_stopped, what_it_sees
 from pilotfish.doctor.following.setup import Setup
-from pilotfish.doctor.following.wheels import distance_that_stays, what_the_wheels_do
+from pilotfish.doctor.following.wheels import distance_that_stays, distance_that_swings, what_the_wheels_do
 
 
 def causes(
@@ -27,15 +29,19 @@ def causes(
     setup: Setup | None = None,
     in_view: InView | None = None,
     machine: Machine | None = None,
+    base_here: BaseHere | None = None,
 ) -> tuple[list[Cause], list[Cause]]:
     """What keeps it from following, and what does not but is worth knowing. It follows if the first list is empty.
 
     Needs a coordinator that was heard: what there is without one is said in no_coordinator.py.
     """
     found = _senders(robot, seen)
+    standing: list[Cause] = []
+    before = len(found)
     if not found:  # two coordinators send zeros, whatever they see; one that is gone sees nothing any more
         found += what_is_missing_while_stopped(robot, seen, setup, machine)
         found += _stopped(robot, seen, setup)
+        standing, before = how_it_stands(seen, setup), len(found)
         found += what_it_sees(robot, seen, setup, in_view, machine)
     held = held_share(seen)
     blocking, notes = what_the_wheels_do(robot, seen)
@@ -43,7 +49,18 @@ def causes(
     if not found and held < FOLLOWS_SHARE:
         found.append(_unexplained(robot, seen, held))
     if not found:
-        found += distance_that_stays(robot, seen)
+        found += [
+            *bearing_that_stays(robot, seen, setup),
+            *(distance_that_stays(robot, seen) or distance_that_swings(seen)),
+        ]
+    if found or (setup is not None and setup.mounting is not None):
+        found[before:before] = standing  # before what it sees: with a camera upside down it turns away from its leader
+    else:
+        notes += standing  # it may be mounted with that roll, and follows
+    if not standing and "mounting" not in {cause.name for cause in found}:
+        (found if found else notes).extend(off_the_floor(seen, setup))
+    first, more = what_the_base_is_set_to(found, seen, base_here)
+    found, notes = first + found, notes + more
     busy = overloaded(seen, machine)
     if busy and "overloaded" not in {cause.name for cause in found}:
         late = {"too_old", "intermittent", "too_few_images"} & {cause.name for cause in found}

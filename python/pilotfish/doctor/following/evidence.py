@@ -13,6 +13,9 @@ from typing import Any
 from pilotfish.core import Reason, Status
 from pilotfish.doctor.following.load import Late
 from pilotfish.doctor.following.load import late as late_in
+from pilotfish.doctor.following.sight import Sight
+from pilotfish.doctor.following.sight import sight as sight_of
+from pilotfish.doctor.following.swing import Swing, swing
 from pilotfish.doctor.following.watch import Watched
 
 # The last part of the watch decides: what was mended while it was watched is no fault any more.
@@ -58,6 +61,7 @@ class Evidence:
     base_states: dict[str, float] = field(default_factory=dict)
     base_text: str = ""
     base_sessions: tuple[int, ...] = ()
+    other_bases: tuple[str, ...] = ()  # robots that have a pilotfish-base on the bus
     frame_rate_hz: float = math.nan  # as the coordinator measures it
     latency_s: Numbers = Numbers()
     latency_from_exposure: bool = False
@@ -71,7 +75,12 @@ class Evidence:
     setpoint_taken: bool = False  # by this run of the coordinator; else it is that of its configuration
     pictures_hz: float = 0.0  # new ones that it has looked at, in the deciding part
     late: Late = field(default_factory=Late)  # in the deciding part
+    swing: Swing = field(default_factory=Swing)  # of the distance error
+    setpoint_bearing_rad: float = math.nan
+    sight: Sight = field(default_factory=Sight)  # where the leader was measured, and how it stood
     commanded_mps: Numbers = Numbers()  # of |v|
+    commanded_range_mps: tuple[float, float] = (math.nan, math.nan)  # of v, least and most
+    commanded_radps: Numbers = Numbers()  # of |w|
     simulated: bool = False  # commands are for a simulator
     wheels_moved: bool | None = None  # by the encoders; None: not measured
 
@@ -86,6 +95,9 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
     last = statuses[-1] if statuses else None
     late_bases = [base for _, base in _late(watched.bases, watched)] or bases
     tracked = [(arrival_s, s) for arrival_s, s in watched.statuses if s.status == int(Status.tracking)]
+    speeds_mps = [command.linear_mps for _, command in late_commands if math.isfinite(command.linear_mps)]
+    deciding_since_s = watched.start_s + watched.seconds * (1.0 - DECIDING_SHARE)
+    wanted_m = last.setpoint_distance_m if last else math.nan
     states = [_base_state(base.state) for base in late_bases]
     sessions = tuple(dict.fromkeys(command.session for _, command in watched.commands))
     heard = [arrival_s for arrival_s, _ in (*watched.statuses, *watched.commands)]
@@ -113,20 +125,26 @@ def collect(watched: Watched, wall_offset_s: float | None = None) -> Evidence:
         base_states=_shares(states),
         base_text=bases[-1].text if bases else "",
         base_sessions=tuple(dict.fromkeys(base.session for base in bases)),
+        other_bases=tuple(sorted(watched.other_bases)),
         frame_rate_hz=last.frame_rate_hz if last else math.nan,
         latency_s=Numbers.of(status.latency_s for _, status in late),
         latency_from_exposure=bool(last and last.latency_from_exposure),
         processing_ms=Numbers.of(status.processing_ms for _, status in late),
         image_age_s=_image_age(watched, wall_offset_s),
-        missed_deadlines=statuses[-1].missed_deadlines - statuses[0].missed_deadlines if statuses else 0,
+        missed_deadlines=_missed_deadlines(statuses),
         error_first_m=_median_error(tracked[: max(1, len(tracked) // 5)]),
         error_last_m=_median_error(tracked[-max(1, len(tracked) // 5) :]),
-        setpoint_distance_m=last.setpoint_distance_m if last else math.nan,
+        setpoint_distance_m=wanted_m,
+        swing=swing([(arrival_s, s.error_m) for arrival_s, s in tracked], wanted_m, deciding_since_s),
+        setpoint_bearing_rad=last.setpoint_bearing_rad if last else math.nan,
+        sight=sight_of(watched.observations),
         setpoint_run=bool(last.setpoint_run) if last else True,
         setpoint_taken=bool(last and last.setpoint_counter > 0),
         pictures_hz=_pictures([status for _, status in late]) / (watched.seconds * DECIDING_SHARE),
         late=late_in([status for _, status in late]),
-        commanded_mps=Numbers.of(abs(command.linear_mps) for _, command in late_commands),
+        commanded_mps=Numbers.of(map(abs, speeds_mps)),
+        commanded_range_mps=(min(speeds_mps), max(speeds_mps)) if speeds_mps else (math.nan, math.nan),
+        commanded_radps=Numbers.of(abs(command.angular_radps) for _, command in late_commands),
         simulated=any(command.simulated for _, command in late_commands),
         wheels_moved=_wheels_moved(late_bases),
     )
@@ -147,28 +165,33 @@ def reason_name(number: int) -> str:
 
 
 def risen(reports: Sequence[Any]) -> dict[str, int]:
-    """How much each counter of one sender rose; the largest first.
+    """How much each counter rose, summed over its senders' sessions; the largest first.
 
     A message has room for some counters only, and they take turns: the first value of one that is not in the first
-    message is 0 unless "others" said that there were more.
+    message is 0 unless "others" said that there were more. A session that begins after another counts from 0; of two
+    that take turns each has counted before.
     """
-    first: dict[str, int] = {}
-    last: dict[str, int] = {}
-    session, complete = None, True
-    total: Counter[str] = Counter()
+    one_by_one = not _take_turns([report.session for report in reports])
+    of_session: dict[int, list[Any]] = {}
     for report in reports:
-        if report.session != session:  # started anew: it counts from 0
-            total.update({name: last[name] - first[name] for name in last})
-            named = {counter.name for counter in report.rejected}
-            complete = "others" not in named
-            first = {counter.name: counter.count for counter in report.rejected} if session is None else {}
-            last, session = dict(first), report.session
+        of_session.setdefault(report.session, []).append(report)
+    total: Counter[str] = Counter()
+    for k, listed in enumerate(of_session.values()):
+        total.update(_risen_in_session(listed, from_zero=one_by_one and k > 0))
+    return {name: count for name, count in total.most_common() if count > 0 and name != "others"}
+
+
+def _risen_in_session(reports: Sequence[Any], *, from_zero: bool) -> dict[str, int]:
+    named = {counter.name: counter.count for counter in reports[0].rejected}
+    complete = "others" not in named
+    first = {} if from_zero else named
+    last = dict(first)
+    for report in reports:
         for counter in report.rejected:
             if counter.name not in first:
                 first[counter.name] = 0 if complete else counter.count
             last[counter.name] = counter.count
-    total.update({name: last[name] - first[name] for name in last})
-    return {name: count for name, count in total.most_common() if count > 0 and name != "others"}
+    return {name: last[name] - first[name] for name in last}
 
 
 def _late(messages: list[tuple[float, Any]], watched: Watched) -> list[tuple[float, Any]]:
@@ -195,6 +218,12 @@ def _take_turns(sessions: Sequence[int]) -> bool:
         if after in ended:
             return True
     return False
+
+
+def _missed_deadlines(statuses: Sequence[Any]) -> int:
+    """Of the session that spoke last."""
+    same = [status for status in statuses if status.session == statuses[-1].session]
+    return same[-1].missed_deadlines - same[0].missed_deadlines if same else 0
 
 
 def _median_error(tracked: Sequence[tuple[float, Any]]) -> float:

@@ -155,6 +155,11 @@ def _no_tag(seen: Evidence, setup: Setup | None, in_view: InView | None, times: 
             do = "take the cap off, or more light" if dark else "less light or a shorter exposure"
     if setup:
         do += f" (configured: {setup.family})"
+    if seen.status_shares.get("lost"):
+        do += (
+            ". Does it turn away from its leader as soon as it drives? Then stop it, put the leader into the picture "
+            "and ask again: what it measures then says whether the camera is upside down (camera.mounting.roll_deg)"
+        )
     return Cause("no_tag_found", f"{times}: {what}", do)
 
 

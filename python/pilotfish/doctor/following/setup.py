@@ -8,10 +8,15 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from pilotfish.config_message import in_file
 from pilotfish.doctor.host import Host
 from pilotfish.doctor.network import DEFAULT_URL, group_of
 from pilotfish.errors import ConfigError
+
+if TYPE_CHECKING:
+    from pilotfish.core import CameraModel, CameraMounting, Setpoint
 
 
 @dataclass(frozen=True)
@@ -29,6 +34,9 @@ class Setup:
     frame_rate_hz: float = 30.0
     run: bool = True  # setpoint.run: it drives as soon as it is started
     file_name: str = ""  # the robot's name as the file says it, whatever the command line says
+    camera: CameraModel | None = None
+    mounting: CameraMounting | None = None
+    setpoint: Setpoint | None = None
 
     @property
     def written_name(self) -> str:
@@ -46,7 +54,7 @@ class Setup:
 
 @dataclass(frozen=True)
 class Process:
-    """A pilotfish-coordinator that runs on this host."""
+    """One of Pilotfish's programs that runs on this host."""
 
     pid: int
     words: tuple[str, ...]  # its command line
@@ -78,7 +86,7 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
     try:
         loaded = load_coordinator(str(file))
     except ConfigError as error:
-        raise ConfigError(f"{file}: {error}") from error
+        raise ConfigError(in_file(str(error), file)) from error
     part = loaded.coordinator
     return Setup(
         file=file,
@@ -92,6 +100,9 @@ def load_setup(file: Path, name: str | None = None, source: str | None = None) -
         frame_rate_hz=loaded.frame_rate_hz,
         run=part.setpoint.run,
         file_name=loaded.name,
+        camera=part.camera,
+        mounting=part.mounting,
+        setpoint=part.setpoint,
     )
 
 
@@ -106,11 +117,16 @@ def runs_here(robot: str, url: str, processes: list[Process]) -> bool:
 
 def running_coordinators(host: Host) -> list[Process]:
     """Those whose command lines this user may read."""
+    return running(host, "pilotfish-coordinator")
+
+
+def running(host: Host, program: str) -> list[Process]:
+    """Processes of a program whose command lines this user may read."""
     found = []
     for file in host.find("/proc", "[0-9]*/cmdline"):
         try:
             words = tuple(word.decode(errors="replace") for word in file.read_bytes().split(b"\0") if word)
-            if words and Path(words[0]).name == "pilotfish-coordinator":
+            if words and Path(words[0]).name == program:
                 folder = (file.parent / "cwd").resolve()
                 found.append(Process(int(file.parent.name), words, folder, _default_url(file.parent / "environ")))
         except (OSError, ValueError):

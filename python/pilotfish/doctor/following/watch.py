@@ -43,6 +43,7 @@ class Watched:
     images: dict[str, Images] = field(default_factory=dict)  # of all channels, whoever they are meant for
     unreadable: dict[str, int] = field(default_factory=dict)  # channel -> messages of no known version
     others: set[str] = field(default_factory=set)  # other robots that have a coordinator
+    other_bases: set[str] = field(default_factory=set)  # other robots that have a pilotfish-base
 
     def add(self, message: Message) -> None:
         """Files a message."""
@@ -51,6 +52,8 @@ class Watched:
         elif message.robot != self.robot.lower():
             if message.kind in (Kind.status, Kind.command) and len(self.others) < _MOST:
                 self.others.add(message.robot)
+            elif message.kind is Kind.base and len(self.other_bases) < _MOST:
+                self.other_bases.add(message.robot)
         elif message.kind is Kind.unreadable:
             self.unreadable[message.channel] = self.unreadable.get(message.channel, 0) + 1
         else:

@@ -7,6 +7,7 @@ import math
 from pilotfish.doctor.following import advice
 from pilotfish.doctor.following.cause import MOVES_MPS, Cause, speed_text
 from pilotfish.doctor.following.evidence import Evidence
+from pilotfish.doctor.following.swing import Swing
 
 
 def what_the_wheels_do(robot: str, seen: Evidence) -> tuple[list[Cause], list[Cause]]:
@@ -14,6 +15,9 @@ def what_the_wheels_do(robot: str, seen: Evidence) -> tuple[list[Cause], list[Ca
     if not seen.base_state:
         what = f"no pilotfish-base of {robot} answers the commands; wheels driven by another program do not show here"
         do = f"pilotfish-base --config base.yaml, if it is to drive them ({robot.upper()}_BASE is silent)"
+        if others := other_bases_text(seen):
+            what = f"no pilotfish-base of {robot} answers the commands; {others}"
+            do = f"name: {robot} in its base.yaml, if it is the one that is to drive {robot}'s wheels; {do}"
         return [], [Cause("no_base", what, do)]
     if len(seen.base_sessions) > 1 and "another_base" in seen.base_counters_risen:
         return [Cause("two_bases", "two pilotfish-base of this name", "end one of them")], []
@@ -76,7 +80,8 @@ def distance_that_stays(robot: str, seen: Evidence) -> list[Cause]:
         if still
         else "the wheels do not turn, or the leader is faster than it may drive"
     )
-    base = "" if seen.base_state else f"; no pilotfish-base of {robot} is on the bus"
+    others = f", but {text}" if (text := other_bases_text(seen)) else ""
+    base = "" if seen.base_state else f"; no pilotfish-base of {robot} is on the bus{others}"
     dry = "; is driver: dry_run in base.yaml?" if seen.base_state else ""
     return [
         Cause(
@@ -86,3 +91,43 @@ def distance_that_stays(robot: str, seen: Evidence) -> list[Cause]:
             f"lift it and see if the wheels turn; compare control.limits.max_linear_mps with the leader's speed{dry}",
         )
     ]
+
+
+def other_bases_text(seen: Evidence) -> str:
+    """ "one of robot2 is there": whose wheels' processes are heard instead."""
+    if not seen.other_bases:
+        return ""
+    listed = ", ".join(seen.other_bases)
+    return f"one of {listed} is there" if len(seen.other_bases) == 1 else f"those of {listed} are there"
+
+
+def distance_that_swings(seen: Evidence) -> list[Cause]:
+    """It tracks, and the distance goes to and fro, or past what is wanted."""
+    wanted, swing = seen.setpoint_distance_m, seen.swing
+    if not (swing.swings or swing.overshoots(wanted)):
+        return []
+    least, most = seen.commanded_range_mps
+    commanded = f" while {least:+.2f} to {most:+.2f} m/s are commanded" if math.isfinite(least) else ""
+    if swing.swings:
+        what = f"the distance swings about what is wanted ({wanted:.2f} m), {extremes_text(swing)}{commanded}"
+    else:
+        what = (
+            f"it overshoots: {swing.overshot_m:.2f} m too close (wanted {wanted:.2f} m) after it was too far{commanded}"
+        )
+    return [
+        Cause(
+            "swings" if swing.swings else "overshoots",
+            what,
+            "the wheels speed up or brake less than control.limits says: compare base.yaml's limits (pilotfish doctor "
+            "--config FILE does) and the motor controller's own ramps; else control.limits' acceleration or the law's "
+            "gains are too high for this drive (pilotfish identify, pilotfish tune). A leader that drives to and fro "
+            "itself looks like this, too",
+        )
+    ]
+
+
+def extremes_text(swing: Swing) -> str:
+    """ "from 157 mm too far to 243 mm too close": of the deciding part."""
+    errors_m = (swing.lowest_m, swing.highest_m)
+    ends = [f"{1000 * abs(error_m):.0f} mm too {'far' if error_m < 0 else 'close'}" for error_m in errors_m]
+    return f"from {ends[0]} to {ends[1]}"
