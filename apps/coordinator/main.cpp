@@ -78,9 +78,11 @@ void log_start(const config::CoordinatorFile& file, const bus::Bus& bus) {
   const CoordinatorConfig& config = file.coordinator;
   spdlog::info("robot {}: law {}, profile {}, keep {:.2f} m at {:.1f} deg{}", file.name, config.control.active_law,
                to_string(config.control.profile), config.setpoint.distance_m, degrees(config.setpoint.bearing_rad),
-               config.setpoint.run ? "" : " (stop requested)");
+               config.setpoint.run ? "" : " (setpoint.run is false: it waits for `pilotfish go " + file.name + "`)");
   spdlog::info("camera {} x {} px, f = {:.1f} px{}", config.camera.width, config.camera.height, config.camera.fx,
-               config.camera.has_distortion() ? ", with distortion" : "");
+               config.camera.lens == Lens::kannala_brandt ? ", a fisheye (Kannala-Brandt)"
+               : config.camera.has_distortion()           ? ", with distortion (Brown-Conrady)"
+                                                          : "");
   spdlog::info("leader {}", described(config.leader));
   for (const AlternativeLeader& other : config.other_leaders)
     spdlog::info("after {:.1f} s without it {}, at {:.2f} m and {:.1f} deg", config.alternatives.after_lost_s,

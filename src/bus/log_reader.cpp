@@ -19,7 +19,9 @@ struct LogReader::File {
 LogReader::LogReader(const std::string& path, const std::string& channel) : file_(std::make_unique<File>()) {
   std::error_code error;  // a pipe would block, a device never ends
   if (!std::filesystem::is_regular_file(path, error))
-    throw BusError("cannot read the LCM log " + path + ": no such file");
+    throw BusError(
+        "cannot read the LCM log " + path +
+        (std::filesystem::is_directory(path, error) ? ": it is a folder; name a file in it" : ": no such file"));
   file_->stream.open(path, std::ios::binary);
   if (!file_->stream || file_->stream.peek() == std::ifstream::traits_type::eof())
     throw BusError("cannot read the LCM log " + path + ": it is empty, or may not be read");

@@ -1,6 +1,9 @@
 #include "pose_candidates.hpp"
 
+#include <algorithm>
 #include <cmath>
+
+#include "pilotfish/core/angles.hpp"
 
 namespace pilotfish::vision {
 namespace {
@@ -33,6 +36,13 @@ RelativeMeasurement relative_measurement(const Eigen::Isometry3d& bMc, const Pos
   return {relative_pose(bMc * pose.cMo), jacobian * pose.covariance * jacobian.transpose()};
 }
 
+/// Robots drive upright. One that leans farther is seen by a camera that is mounted upside down, or was told so.
+constexpr double kMostLean_deg = 120.0;
+
+double lean_deg(const Eigen::Isometry3d& bMc, const PoseSolution& pose) {
+  return degrees(std::acos(std::clamp((bMc.linear() * pose.cMo.linear())(2, 2), -1.0, 1.0)));
+}
+
 }  // namespace
 
 bool is_finite(const RelativeMeasurement& m) {
@@ -50,10 +60,15 @@ PoseCandidates pose_candidates(const CameraModel& camera, const LeaderBody& body
   else
     found.verdict.reason = Reason::pose_refused;
   if (found.verdict.reason != Reason::none) return found;
+  if (const double lean = lean_deg(bMc, pose->best); !(lean <= kMostLean_deg)) {
+    found.verdict = {Reason::leader_upside_down, at_most("lean of the leader", lean, kMostLean_deg, "deg")};
+    return found;
+  }
 
   found.ambiguity_ratio = pose->ambiguity_ratio;
   found.solutions.push_back(pose->best);
-  if (pose->other && check_pose(*pose->other, body, tags, config).reason == Reason::none)
+  if (pose->other && check_pose(*pose->other, body, tags, config).reason == Reason::none &&
+      lean_deg(bMc, *pose->other) <= kMostLean_deg)
     found.solutions.push_back(*pose->other);
   for (const PoseSolution& solution : found.solutions) {
     found.candidates.push_back({relative_measurement(bMc, solution), solution.squared_error});

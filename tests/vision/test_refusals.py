@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from rendered_leaders import BODY, CAMERA, TAG, frame, leader_at, look, observer, render, true_corners
 
-from pilotfish.core import BodyTag, LeaderBody, Reason, TagDetection
+from pilotfish.core import BodyTag, CameraMounting, LeaderBody, Reason, TagDetection
 from pilotfish.vision import (
+    LeaderObserver,
     LeaderPoseConfig,
     TagDetectorConfig,
     TagFamily,
@@ -31,6 +32,7 @@ COUNTERS = [
     "size",
     "behind",
     "jump",
+    "upside_down",
     "pose",
 ]
 HERE = (1.1, 0.0, 0.2)
@@ -244,6 +246,21 @@ def test_a_tag_half_hidden_is_refused_and_not_moved():
         image[:, : int(last)] = 128
         answer = look(image, corners)
         assert answer in (TagRefusal.not_found, TagRefusal.hamming, TagRefusal.residual, TagRefusal.margin)
+
+
+def test_a_leader_that_stands_on_its_head_is_not_followed():
+    # The picture of a camera that hangs upside down: left and right are exchanged, and a robot would turn away from its
+    # leader. With the roll in its mounting the leader stands again, at the mirrored bearing.
+    image = np.ascontiguousarray(render([(BODY, leader_at(1.1, 0.1))], 1)[::-1, ::-1])
+    eye = observer()
+    sight = eye.observe(frame(image, 0))
+    assert sight.observation is None
+    assert sight.reason == Reason.leader_upside_down
+    assert counted(eye) == {"upside_down": 1}
+    hanging = LeaderObserver(camera=CAMERA, body=BODY, mounting=CameraMounting(roll_rad=np.pi))
+    seen = hanging.observe(frame(image, 0)).observation
+    assert seen.distance_m == pytest.approx(1.1, abs=0.01)
+    assert seen.bearing_rad == pytest.approx(0.1, abs=0.01)
 
 
 def test_the_counters_of_a_drive_are_the_sum_of_its_refusals():

@@ -61,7 +61,8 @@ enum class ReasonKind {
   X(obstacle_in_path, observation, "an obstacle is in the way")                                                       \
   X(turning_to_search, observation, "turning to where the leader was last seen")                                      \
   X(checking_another_leader, observation, "another leader is seen and checked before it is followed")                 \
-  X(leader_changed, observation, "another leader is followed from here on")
+  X(leader_changed, observation, "another leader is followed from here on")                                           \
+  X(leader_upside_down, observation, "the leader stands on its head: is the camera mounted as camera.mounting says?")
 // clang-format on
 
 /// Why. One reason belongs to each status report; the text is what is logged and published.

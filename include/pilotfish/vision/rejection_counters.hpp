@@ -27,6 +27,7 @@ namespace pilotfish::vision {
   X(size, "tag_size", tag_size_implausible, "tags with a size that they cannot have at any range")                    \
   X(behind, "pose_behind", leader_behind_camera, "poses behind the camera, or that show a tag's back")                \
   X(jump, "pose_jump", leader_jumped, "leaders farther from where they were than anything can have moved")            \
+  X(upside_down, "pose_upside_down", leader_upside_down, "leaders that stand on their heads")                         \
   X(pose, "pose", pose_refused, "corners that no credible pose explains")
 
 /// Why a candidate tag is no measurement, X(name, text); each is counted by the counter of its name.

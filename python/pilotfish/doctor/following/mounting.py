@@ -24,6 +24,10 @@ _BASE_FROM_LEVEL_CAMERA = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.
 
 def how_it_stands(seen: Evidence, setup: Setup | None) -> list[Cause]:
     """The leader hangs or leans: the camera's roll or tilt is not what the configuration says."""
+    if "leader_upside_down" in seen.reason_shares:
+        return []  # what_it_sees() says it
+    if risen_by(seen, "pose_upside_down"):  # while it is stopped, its counters go on
+        return [upside_down("the coordinator refuses its leader, which stands on its head")]
     up = np.array(seen.sight.up_in_camera)
     if seen.sight.measured == 0 or not np.isfinite(up).all():
         return []
@@ -34,16 +38,8 @@ def how_it_stands(seen: Evidence, setup: Setup | None) -> list[Cause]:
     lean_rad = math.acos(max(-1.0, min(1.0, float(upward[2]))))
     told = "" if known else ", if it is mounted without roll (--config FILE says)"
     if lean_rad > _HANGS_RAD:
-        return [
-            Cause(
-                "camera_upside_down",
-                f"the leader is measured upside down ({math.degrees(lean_rad):.0f} degrees from upright{told}): the "
-                "camera hangs upside down, its pictures are turned by 180 degrees, or camera.mounting.roll_deg is 180 "
-                "too much; left and right are exchanged, so it turns away from its leader",
-                "camera.mounting.roll_deg: 180 for a camera that hangs upside down, 0 for one that stands (or turn the "
-                "pictures in the camera's program, not both); are the leader's tags upright as its file says?",
-            )
-        ]
+        lean = f"{math.degrees(lean_rad):.0f} degrees from upright{told}"
+        return [upside_down(f"the leader is measured upside down ({lean})")]
     if lean_rad > _LEANS_RAD:
         return [
             Cause(
@@ -55,6 +51,17 @@ def how_it_stands(seen: Evidence, setup: Setup | None) -> list[Cause]:
             )
         ]
     return []
+
+
+def upside_down(found: str) -> Cause:
+    """Left and right are exchanged; ``found``: by what it shows."""
+    return Cause(
+        "camera_upside_down",
+        f"{found}: the camera hangs upside down, its pictures are turned by 180 degrees, or camera.mounting.roll_deg "
+        "is 180 too much; left and right are exchanged",
+        "camera.mounting.roll_deg: 180 for a camera that hangs upside down, 0 for one that stands (or turn the "
+        "pictures in the camera's program, not both); are the leader's tags upright as its file says?",
+    )
 
 
 def off_the_floor(seen: Evidence, setup: Setup | None) -> list[Cause]:

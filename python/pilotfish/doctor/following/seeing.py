@@ -15,11 +15,13 @@ from pilotfish.doctor.following.cause import (
 from pilotfish.doctor.following.evidence import Evidence
 from pilotfish.doctor.following.in_view import InView
 from pilotfish.doctor.following.load import Machine
+from pilotfish.doctor.following.mounting import upside_down
 from pilotfish.doctor.following.setup import Setup
 from pilotfish.doctor.network import KEEP_BUFFER, RAW_IMAGE_BYTES, WANTED_IMAGES
 from pilotfish.reason_words import reason_text
 
 _LOST_ON_THE_WAY = ("receive_buffer_full", "message_incomplete", "message_displaced")
+_ON_ITS_HEAD = "its leader, which stands on its head"
 _OFTEN = 0.1  # a reason that holds for less of the time is not worth a line
 _OFTEN_LATE = 0.25  # of pictures that come, and now and then a period late
 
@@ -63,6 +65,7 @@ def what_it_sees(
         times = f"{100 * share:.0f} % of the time"
         special = {
             "no_frame": lambda times: _no_frame(robot, seen, setup, machine, times),
+            "leader_upside_down": lambda times: upside_down(f"{times}: the coordinator refuses {_ON_ITS_HEAD}"),
             "no_tag_of_the_leader": lambda times: _wrong_tags(seen, setup, in_view, times),
             "frame_size_not_calibrated": lambda times: _wrong_size(robot, seen, setup, times),
             "frame_stale": lambda times: _stale(seen, times),
