@@ -43,6 +43,10 @@ def main(
     condition: Annotated[
         list[str] | None, typer.Option(help="Only this condition of the part `chains`; may be given several times.")
     ] = None,
+    frames: Annotated[
+        int | None,
+        typer.Option(min=8, help="Frames of each condition and distance of the part `chains` [default: 32]."),
+    ] = None,
     frames_without_leader: Annotated[
         int | None, typer.Option(min=20, help="Frames without the leader, in which a detection is false.")
     ] = None,
@@ -59,10 +63,12 @@ def main(
       scripts/bench vision                               everything, 10 to 20 minutes
       scripts/bench vision -- --quick                    a few frames of everything
       scripts/bench vision -- --part drive --part lens   these alone
-      scripts/bench vision -- --part chains --condition 'rolling shutter'
+      scripts/bench vision -- --part chains --condition 'rolling shutter' --frames 300
       scripts/bench vision -- --part without-leader --frames-without-leader 100000
     """
     effort = QUICK if quick else Effort()
+    if frames is not None:
+        effort = replace(effort, chains=frames)
     if frames_without_leader is not None:
         effort = replace(effort, without_leader=frames_without_leader)
     conditions = _conditions(condition)

@@ -103,7 +103,7 @@ def chain_goals(results: Results) -> Iterator[Goal]:
                 ratio(ours.seen, theirs),
                 ours.seen >= theirs,
             )
-            said = f"{ours.chi2:.2f}, wrong {ours.wrong} of {ours.frames}"
+            said = f"{ours.chi2:.2f}, {ours.sure_and_wrong} of {ours.frames} beyond 5 sigma"
             if condition == ROLLING_SHUTTER:
                 other = min((VISP_1, WHEEL), key=lambda name, of=trackers: of[name].p95_deg)
                 least = trackers[other].p95_deg

@@ -42,13 +42,20 @@ def chain_tables(results: Results) -> list[Table]:
         table = Table(title=name, title_justify="left")
         table.add_column("distance")
         table.add_column("tracker")
-        for column in ("seen", "median", "p95", "heading", "p95", "chi2/dof", "wrong", "time"):
+        for column in ("seen", "median", "p95", "heading", "p95", "chi2/dof", "> 8°", "> 5 sd", "time"):
             table.add_column(column, justify="right")
         for distance_m, figures in by_distance.items():
             for tracker, f in figures.items():
                 chi2 = "-" if f.chi2 != f.chi2 else f"{f.chi2:.2f}"
                 degrees = [f"{value:.2f}°" for value in (f.median_deg, f.p95_deg)]
-                errors = (mm(f.median_mm), mm(f.p95_mm), *degrees, chi2, str(f.wrong))
+                errors = (
+                    mm(f.median_mm),
+                    mm(f.p95_mm),
+                    *degrees,
+                    chi2,
+                    str(f.wrong),
+                    "-" if chi2 == "-" else str(f.sure_and_wrong),
+                )
                 table.add_row(f"{distance_m} m", tracker, percent(f.seen), *errors, ms(f.median_ms))
         tables.append(table)
     return tables

@@ -67,6 +67,7 @@ def test_the_edge_of_a_shadow_is_not_taken_for_one_of_a_far_tag():
     assert figures.seen > 0.6
     assert figures.median_deg < 0.3
     assert figures.wrong <= 2
+    assert figures.sure_and_wrong <= 2
 
 
 # In tag sizes of 0.16 m: middle, a corner of the code, the black border, the white ring.
@@ -107,7 +108,7 @@ def test_a_print_with_spots_is_read_beside_them():
     # 60 spots without toner, of a fifth of a cell each: some lie in the middle of a bit.
     figures = followed("white spots", 0.65, count=24)
     assert figures.seen > 0.9
-    assert figures.wrong == 0
+    assert figures.wrong == figures.sure_and_wrong == 0
 
 
 def test_tiny_quads_of_the_detector_are_a_start_for_the_fit():
@@ -179,7 +180,7 @@ def test_a_tag_that_is_followed_is_used_while_it_is_partly_outside():
     figures = followed("partly outside", 0.38, count=40)
     assert figures.seen == 1.0
     assert figures.p95_mm < 1.0
-    assert figures.wrong == 0
+    assert figures.wrong == figures.sure_and_wrong == 0
 
 
 def test_a_tag_that_is_partly_outside_is_not_acquired():
@@ -195,7 +196,7 @@ def test_the_covariance_is_true_in_a_camera_that_was_not_modelled(name, distance
     figures = followed(name, distance_m)
     assert figures.seen == 1.0
     assert figures.chi2 < 2.0
-    assert figures.wrong == 0
+    assert figures.wrong == figures.sure_and_wrong == 0
 
 
 @pytest.mark.parametrize(
