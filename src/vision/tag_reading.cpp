@@ -103,8 +103,11 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     const LevelField::Levels levels = levels_at(place.tag);
     const double contrast = levels.white - levels.black;
     if (cell.data) ++reading.bits;
-    if (!is_inside(place.pixel, image.width, image.height) ||
-        ((light != nullptr || registration.light) && contrast < kMinLocalContrast * appearance.contrast())) {
+    if (!is_inside(place.pixel, image.width, image.height)) {
+      reading.outside_bits += cell.data ? 1 : 0;
+      continue;
+    }
+    if ((light != nullptr || registration.light) && contrast < kMinLocalContrast * appearance.contrast()) {
       reading.unread_bits += cell.data ? 1 : 0;
       continue;
     }
@@ -129,7 +132,7 @@ TagReading read_cells(const ImageView& image, const CameraModel& camera, const T
     reading.wrong_bits += certain <= 0.0 ? 1 : 0;
     sum += 2.0 * sign * (bilinear(image, place.pixel) - (levels.black + 0.5 * contrast));
   }
-  reading.decision_margin = sum / std::max(reading.bits - reading.unread_bits, 1);
+  reading.decision_margin = sum / std::max(reading.bits - reading.outside_bits - reading.unread_bits, 1);
   return reading;
 }
 

@@ -10,7 +10,8 @@ namespace pilotfish::vision {
 /// The result of reading the cells of a template one by one.
 struct TagReading {
   int bits = 0;               ///< of the code
-  int unread_bits = 0;        ///< of these: outside the picture, or without contrast around them
+  int outside_bits = 0;       ///< of these: outside the picture
+  int unread_bits = 0;        ///< of these: inside, but without contrast around them, or of which the parts disagree
   int wrong_bits = 0;         ///< of these: nearer to the other colour
   int wrong_frame_cells = 0;  ///< of the rings that all tags of the family share
   int frame_cells = 0;

@@ -25,7 +25,7 @@ constexpr double kPixelResidual = 1.6;
 constexpr double kTiny_px = 2.0, kOutwards_px = 0.2;
 constexpr double kMinMargin_px = 1.0;  ///< of the corners from the picture's edge
 constexpr double kMaxUnread = 0.2;     ///< share of the bits that light may hide: 36h11 differs in 11 of 36
-constexpr double kMaxUnreadOutside = 1.0 - TagTracker::kMinBitsInside;  ///< of a tag that was there just before
+constexpr double kMaxOutside = 1.0 - TagTracker::kMinBitsInside;  ///< of a tag that was there just before
 
 bool are_inside(const ImageView& image, const std::array<Eigen::Vector2d, 4>& corners_px) {
   return std::all_of(corners_px.begin(), corners_px.end(), [&](const Eigen::Vector2d& corner) {
@@ -144,7 +144,10 @@ TagOutcome<TagMeasurement> TagTracker::read(const ImageView& image, std::size_t 
   if (blur_px > most_blur_px) return {TagRefusal::too_blurred, at_most("blur", blur_px, most_blur_px, "px")};
   const TagReading reading = read_tag(image, camera_, patterns_[tag], fit);
   const bool inside = are_inside(image, fit.corners_px);
-  if (reading.unread_bits > (inside ? kMaxUnread : kMaxUnreadOutside) * reading.bits)
+  // Of two tags of 36h11 at least 11 bits differ: a fifth may be hidden, or two fifths be outside of a tag that was
+  // whole just before, but not both, or too few are left that tell them apart.
+  if (reading.outside_bits > kMaxOutside * reading.bits) return TagRefusal::outside_frame;
+  if (reading.unread_bits > (reading.outside_bits == 0 ? kMaxUnread * reading.bits : 0.0))
     return inside ? TagRefusal::hamming : TagRefusal::outside_frame;
   if (reading.wrong_bits > max_hamming_)
     return {TagRefusal::hamming, at_most("wrong bits", reading.wrong_bits, max_hamming_)};

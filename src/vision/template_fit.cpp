@@ -32,7 +32,7 @@ constexpr double kMinNoise = 0.2;       ///< gray levels: even a perfect picture
 constexpr double kNotConverged_px = 0.1;  ///< a last step of this length or more: it has not converged
 constexpr int kCoarseSamples = 150, kFineSamples = 300, kManySamples = 700;
 constexpr double kLargeCell_px = 20.0;  ///< larger ones have room for many samples, each with noise of its own
-constexpr int kManySteps = 20;  ///< a fit with local levels, a reflection or a bend starts from ones that are rough
+constexpr int kManySteps = 10;  ///< a fit with local levels, a reflection or a bend starts from ones that are rough
 constexpr double kLikelyBend = 0.25, kLargestBend = 0.6;  ///< half the tag's side over the radius
 constexpr double kLightStep = 0.5;                        ///< of the place of uneven light, that is likely
 

@@ -183,6 +183,21 @@ def test_a_tag_that_is_followed_is_used_while_it_is_partly_outside():
     assert figures.wrong == figures.sure_and_wrong == 0
 
 
+def test_bits_outside_and_bits_without_contrast_are_not_excused_together():
+    # Two fifths of the bits outside and a fifth hidden would leave 14 of 36: other tags of the family have the same 14.
+    tracker = vision.TagTracker(camera=VGA, body=LEADER)
+    lamp = Lighting(highlight=4.0, highlight_at_m=(-0.03, 0.01), highlight_sigma_m=0.015)
+    for azimuth_rad, lighting, is_measured in (
+        (0.0, lamp, True),
+        (0.43, None, True),  # the centre is 275 px right of the picture's: a fourth of the tag is outside
+        (0.43, lamp, False),
+    ):
+        cMt = tag_pose(0.6, azimuth_rad=azimuth_rad)
+        place = tracker.predict_at(SHEET.tag_id, corners_px=corners_px(VGA, cMt), search_px=1.0)
+        tag = tracker.track(photograph(cMt, lighting=lighting), place)
+        assert (not isinstance(tag, vision.TagRefusal)) == is_measured, (azimuth_rad, tag)
+
+
 def test_a_tag_that_is_partly_outside_is_not_acquired():
     # 0.13 rad to the left of the edge at 0.49 rad are 78 px; half a tag at 0.5 m is 96 px.
     image = photograph(tag_pose(0.5, azimuth_rad=0.36))
