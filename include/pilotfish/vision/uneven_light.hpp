@@ -16,11 +16,15 @@ namespace pilotfish::vision {
 ///   spot   what a lamp leaves on a sheet that shines: share = exp(-|s - (place[0], place[1])|^2 / (2 place[2]^2))
 struct UnevenLight {
   /// What it looks like.
-  enum class Shape { edge, spot };
+  enum class Shape {
+    edge,  ///< of a shadow
+    spot,  ///< a reflection
+  };
 
-  Shape shape = Shape::edge;
-  double black_step = 0.0, contrast_step = 0.0;  ///< of the gray levels
-  std::array<double, 3> place{};                 ///< see above
+  Shape shape = Shape::edge;      ///< which of the two
+  double black_step = 0.0;        ///< of black [gray levels]
+  double contrast_step = 0.0;     ///< of white over black [gray levels]
+  std::array<double, 3> place{};  ///< see above
 
   double share_at(const Eigen::Vector2d& tag) const;  ///< tag: in tag coordinates
   double mean_share() const;                          ///< over the tag
