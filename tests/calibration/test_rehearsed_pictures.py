@@ -96,7 +96,8 @@ def test_a_drive_turns_on_the_spot_to_both_sides_and_then_goes_straight():
     np.testing.assert_allclose(places[turning][:, :2, 3], 0.0, atol=1e-12)
     # A width of 640 px at f = 600 px is 56 degrees, distorted a little more; less 4 degrees at each side.
     assert np.degrees(headings[turning].max()) == pytest.approx(24.5, abs=1.0)
-    # To both sides alike, but for where exactly the tag stands: up to 2 cm aside, which is 0.7 degrees at 1.6 m, on each.
+    # To both sides alike, but for where exactly the tag stands: up to 2 cm aside, which is 0.7 degrees at 1.6 m, on
+    # each of them.
     assert headings[turning].min() == pytest.approx(-headings[turning].max(), abs=np.radians(0.5 + 2 * 0.7))
     assert np.abs(headings[~turning]).max() < np.radians(0.2)
     assert np.hypot(*places[-1, :2, 3]) == pytest.approx(0.5, abs=0.005)
