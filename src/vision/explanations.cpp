@@ -11,7 +11,6 @@ namespace pilotfish::vision {
 namespace {
 
 constexpr double kMaxResidual_contrasts = 0.05;  ///< a fit on the wrong edges has a larger residual, in contrasts,
-constexpr double kPixelResidualFactor = 1.6;     ///< where pixels are not averaged, so many times as large,
 constexpr double kMaxOutlierShare = 0.1;         ///< or more outliers among its samples
 constexpr double kLitFrom_px = 5.0;  ///< below, a hard shadow was fitted as an edge of the tag: 9 of 32 headings wrong
 constexpr double kLightReach = 0.6;  ///< cells: a cell's own gray counts four times as much as its neighbour's
@@ -157,8 +156,7 @@ bool may_be_bent(Task& task, const Fit& flat) {
 }
 
 bool explains(const Fit& fit, const Task& task) {
-  const double most =
-      task.cell_px < kDenseBelow_px ? kMaxResidual_contrasts * kPixelResidualFactor : kMaxResidual_contrasts;
+  const double most = task.cell_px < kDenseBelow_px ? kMaxResidual_contrasts * kPixelResidual : kMaxResidual_contrasts;
   return fit.noise < most * fit.mean_appearance().contrast() && fit.outlier_share < kMaxOutlierShare;
 }
 

@@ -24,7 +24,6 @@ enum class Model {
   shaded,  ///< with a shadow or a reflection on it
   lit,     ///< in light that differs from place to place
   bent,    ///< on a bent sheet
-  inside,  ///< without its outer edges
 };
 
 constexpr int parameters_of(Model model) {

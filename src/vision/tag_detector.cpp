@@ -8,6 +8,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "gray_tiles.hpp"
 #include "pilotfish/vision/tag_family.hpp"
 
 namespace pilotfish::vision {
@@ -53,19 +54,10 @@ int least_contrast(const ImageView& image, double min_decision_margin) {
   int tiles = 0;
   for (int v = 0; v + kTile_px <= image.height; v += kEvery * kTile_px)
     for (int u = 0; u + kTile_px <= image.width; u += kEvery * kTile_px) {
-      std::uint8_t low = 255, high = 0;
-      for (int j = 0; j < kTile_px; ++j) {
-        const std::uint8_t* row = image.data + static_cast<std::ptrdiff_t>(v + j) * image.stride_bytes + u;
-        for (int i = 0; i < kTile_px; ++i) {
-          low = std::min(low, row[i]);
-          high = std::max(high, row[i]);
-        }
-      }
-      ++histogram[high - low];
+      ++histogram[gray_range(image, u, v, kTile_px)];
       ++tiles;
     }
-  int range = 0;
-  for (int below = histogram[0]; range < 255 && 4 * below < tiles; below += histogram[++range]) continue;
+  const int range = quantile_of(histogram, tiles, 4);
   return std::clamp(static_cast<int>(std::max(min_decision_margin, kNoiseRange * range)), 5, 60);
 }
 

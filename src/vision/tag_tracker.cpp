@@ -18,8 +18,6 @@ namespace {
 constexpr double kMinCorrelation = 0.35;  ///< below, the fit is not attempted
 constexpr double kWrongFrameCells = 0.1;  ///< share of the rings that may be dirty
 constexpr double kMaxOutliers = 0.25;     ///< share of the pixels that something else may explain
-/// A small tag is compared pixel by pixel, a larger one by means of 3 x 3, which leave less of what is not explained.
-constexpr double kPixelResidual = 1.6;
 /// The sides that libapriltag finds of a tag with cells below kTiny_px lie 0.15 to 0.45 px too far inside, a third of a
 /// cell: from there a fit seldom converges (6 of 21 at 8 m, from 0.2 px farther outside all of them).
 constexpr double kTiny_px = 2.0, kOutwards_px = 0.2;

@@ -175,7 +175,7 @@ bool settle(Task& task, bool pulled_in, Fit& fit) {
   take(task.cell_px > kLargeCell_px ? kManySamples : kFineSamples);
   fit.noise = 0.0;
   double move_px = 0.0;
-  for (int i = 0; i < (task.model == Model::even || task.model == Model::inside ? 6 : kManySteps); ++i) {
+  for (int i = 0; i < (task.model == Model::even ? 6 : kManySteps); ++i) {
     move_px = step_once(task, extra_blur, true, fit);
     if (!(move_px < task.cell_px)) return false;
     if (move_px < kConverged_px) return true;

@@ -35,6 +35,9 @@ struct TemplateSamples {
 /// Cells smaller than this are sampled pixel by pixel.
 inline constexpr double kDenseBelow_px = 3.2;
 
+/// Pixel by pixel a fit leaves so many times as much of what is not explained as by means of 3 x 3.
+inline constexpr double kPixelResidual = 1.6;
+
 /// A sample along edges is the mean of 3 x 3 pixels, weighted (1 2 1)/4 along rows and columns. Whatever shape a
 /// camera's own blur has (square pixels, a digital sharpener), together with this it is nearly the Gaussian that the
 /// fit assumes, and the sample carries the noise of a mean of seven pixels. It adds this variance to the blur along

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "gray_tiles.hpp"
+
 namespace pilotfish::vision {
 namespace {
 
@@ -26,24 +28,15 @@ struct Grid {
 void measure_contrast(const ImageView& image, const Grid& grid, Tiles& contrast) {
   for (int row = 0; row < grid.rows; ++row)
     for (int column = 0; column < grid.columns; ++column) {
-      const std::uint8_t* first = image.data + static_cast<std::ptrdiff_t>(row) * grid.tile_px * image.stride_bytes +
-                                  static_cast<std::ptrdiff_t>(column) * grid.tile_px;
-      std::uint8_t low = 255, high = 0;
-      for (int j = 0; j < grid.tile_px; ++j, first += image.stride_bytes)
-        for (int i = 0; i < grid.tile_px; ++i) {
-          low = std::min(low, first[i]);
-          high = std::max(high, first[i]);
-        }
-      contrast[static_cast<std::size_t>(row) * grid.columns + column] = high - low;
+      contrast[static_cast<std::size_t>(row) * grid.columns + column] =
+          gray_range(image, column * grid.tile_px, row * grid.tile_px, grid.tile_px);
     }
 }
 
 int median_of(const Tiles& contrast, int count) {
   std::array<int, 256> histogram{};
   for (int i = 0; i < count; ++i) ++histogram[contrast[i]];
-  int level = 0;
-  for (int below = histogram[0]; level < 255 && 2 * below < count; below += histogram[++level]) continue;
-  return level;
+  return quantile_of(histogram, count, 2);
 }
 
 /// How many middles of 3 x 3 tiles with contrast lie in each block.
