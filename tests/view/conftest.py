@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from view_server import ARGUMENTS, CHROMIUM, serving
+from view_server import ARGUMENTS, CHROMIUM, serving_a_bus
 
-from pilotfish import data
 from pilotfish.harness.ports import private_lcm_url
 
 
@@ -17,10 +16,7 @@ def url():
 @pytest.fixture(scope="session")
 def shared(tmp_path_factory):
     """One server for many tests: each has a robot of its own on its bus (`shared.url`)."""
-    url = private_lcm_url()
-    options = ["--lcm-url", url, "--config", data.path("config/line.yaml")]
-    with serving(tmp_path_factory.mktemp("view"), *options) as server:
-        server.url = url
+    with serving_a_bus(tmp_path_factory.mktemp("view")) as server:
         yield server
 
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import pytest
 from test_view_page import text, wait_for_text
-from view_server import serving
+from view_server import serving, serving_a_bus
 
-from pilotfish import data
-from pilotfish.harness.ports import private_lcm_url
 from robot_on_bus import NOW_US, RobotOnBus, gray_image, picture, status, with_lists
 from scripted_coordinator import ScriptedCoordinator
 
@@ -15,10 +13,7 @@ from scripted_coordinator import ScriptedCoordinator
 @pytest.fixture(scope="module")
 def answering(tmp_path_factory):
     """A server as `shared`, on a bus of its own: one server watches 16 robots at most."""
-    url = private_lcm_url()
-    options = ["--lcm-url", url, "--config", data.path("config/line.yaml")]
-    with serving(tmp_path_factory.mktemp("answers"), *options) as server:
-        server.url = url
+    with serving_a_bus(tmp_path_factory.mktemp("answers")) as server:
         yield server
 
 

@@ -10,7 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
+from pilotfish import data
 from pilotfish.harness.child import Child
+from pilotfish.harness.ports import private_lcm_url
 
 CHROMIUM = Path("/usr/bin/chromium")
 ARGUMENTS = [
@@ -79,3 +81,12 @@ def serving(
         if child.process.poll() is None:
             assert child.terminate() == 0, child.error("SIGTERM is not its ordinary end")
         assert "Traceback" not in child.stderr(), child.stderr()
+
+
+@contextmanager
+def serving_a_bus(folder: Path) -> Iterator[Server]:
+    """A server for many robots, on a bus of its own (`url`)."""
+    url = private_lcm_url()
+    with serving(folder, "--lcm-url", url, "--config", data.path("config/line.yaml")) as server:
+        server.url = url
+        yield server
